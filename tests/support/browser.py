@@ -164,8 +164,13 @@ class Browser:
         features = [{"name": "prefers-color-scheme", "value": "dark" if is_dark else "light"}]
         self._do("Emulation.setEmulatedMedia", features=features)
 
+    def rest(self) -> None:
+        """Wait until nothing on the page is on its way to another place or colour."""
+        self.wait_for("document.getAnimations().every((each) => each.playState !== 'running')")
+
     def violations(self, axe: str) -> list[str]:
         """Return what axe-core, of which this is the source, finds against the page as it is."""
+        self.rest()
         self.evaluate(axe)
         run = """axe.run({resultTypes: ["violations"]}).then(({violations}) => JSON.stringify(
             violations.flatMap(({id, nodes}) => nodes.map((node) => `${id}: ${node.html}`))))"""

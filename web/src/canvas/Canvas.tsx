@@ -17,7 +17,7 @@ import { CanvasTools } from './CanvasTools';
 import { ComponentNode } from './ComponentNode';
 import { ConnectingContext, type Connecting } from './ConnectingContext';
 import { FrameNode } from './FrameNode';
-import { buildEdges, buildNodes, keeper, placedBoxes, type GraphNode, type WireEdgeType } from './graph';
+import { FIT, buildEdges, buildNodes, keeper, placedBoxes, type GraphNode, type WireEdgeType } from './graph';
 import { Wire } from './Wire';
 
 const NODE_TYPES = { component: ComponentNode, frame: FrameNode };
@@ -125,7 +125,7 @@ function Diagram({ system, layout, view, onOpen, onConnect }: Props) {
           onConnectStart={(_, start) => begin(start)} onConnectEnd={end} onConnect={connect} isValidConnection={allows}
           nodesConnectable={editor.canChange} connectionMode={ConnectionMode.Loose} connectionLineType={ConnectionLineType.SmoothStep}
           connectionRadius={18} disableKeyboardA11y elementsSelectable={false} edgesFocusable onlyRenderVisibleElements
-          fitView fitViewOptions={{ padding: 0.06, maxZoom: 1 }} minZoom={0.05} maxZoom={2} deleteKeyCode={null} selectionKeyCode={null}
+          fitView fitViewOptions={FIT} minZoom={0.05} maxZoom={2} deleteKeyCode={null} selectionKeyCode={null}
           multiSelectionKeyCode={null} zoomOnDoubleClick={false} elevateNodesOnSelect={false} nodeDragThreshold={3}
           proOptions={{ hideAttribution: true }}
         >

@@ -4,8 +4,7 @@ import { useEffect } from 'react';
 import { Icon } from '../parts/icons';
 import { isTyping } from '../shell/useShortcuts';
 import { useTexts } from '../texts';
-
-const FIT = { padding: 0.06, maxZoom: 1 };
+import { FIT } from './graph';
 
 /** Zoom and fit, by buttons and by the keys + − F. */
 export function CanvasTools() {

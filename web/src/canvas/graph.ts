@@ -5,6 +5,9 @@ import { placedPorts } from '../model/ports';
 import type { System } from '../model/system';
 import { LOOKS, type Box, type Component, type Connector, type Layout, type Look, type Manager, type Point, type Port, type PortEnd, type Process } from '../model/types';
 
+const PAD = '24px';
+/** The map and these buttons lie below what is fitted, not on it. */
+export const FIT = { padding: { top: PAD, left: PAD, right: PAD, bottom: '124px' }, maxZoom: 1 } as const;
 const HEADER = 42;
 const HANDLE = 10;
 
