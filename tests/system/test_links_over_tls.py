@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 from collections.abc import Iterator
@@ -103,8 +104,9 @@ def test_rubbish_on_a_link_ends_that_link_only(robot: Robot) -> None:
     with robot.connected("owner1") as client:
         assert client.ask("%40x%2Frouter", "robot9").error == ""
         end = client.detach()
-        end.sendall(b"\xff" * 100_000)
-        until(lambda: not end.recv(1 << 16), "the router hangs up")
+        with contextlib.suppress(OSError):  # what lies unread there may end it without a farewell
+            end.sendall(b"\xff" * 100_000)
+            until(lambda: not end.recv(1 << 16), "the router hangs up")
     assert robot.is_alive()
     assert _linked(robot).split()[-1:] == ["linked"]
 
@@ -148,6 +150,6 @@ def test_a_link_ends_when_the_host_there_is_revoked(robot: Robot) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("RTKIT_KEYS", robot.keys)
         revoke("robot1")
-    until(lambda: "the certificate of robot1 is revoked" in _linked(robot), "the link ends")
+    until(lambda: "revoked" in _linked(robot), "the link ends, and says why")
     assert robot.shell.run("rtls /robot1").status == 1
     assert robot.is_alive()
