@@ -108,7 +108,8 @@ function Diagram({ system, layout, view, onOpen, onConnect }: Props) {
 
   const allows = ({ source, sourceHandle, target, targetHandle }: Connection | WireEdgeType): boolean => {
     const far = connecting && portPath(connecting.from) === `${source}:${sourceHandle}` ? `${target}:${targetHandle}` : `${source}:${sourceHandle}`;
-    return connecting?.whys?.get(far) === '';
+    // Who is quicker than the server's answer is told by the dialog, or by the command.
+    return !connecting?.whys || connecting.whys.get(far) === '';
   };
 
   return (
