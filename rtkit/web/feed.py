@@ -11,7 +11,6 @@ from rtkit.api.observers import ManagerSeen, ObservedEvent, Observers, place_of
 from rtkit.api.rates import Rater
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.metrics import METRICS, Metrics
-from rtkit.errors import RtkitError
 from rtkit.link.places import host_name
 from rtkit.link.wakeup import Wakeup
 from rtkit.tree.subscription import SubscriptionEnded
@@ -44,7 +43,11 @@ class SystemFeed:
     """The thread that follows; `close` ends it."""
 
     def __init__(
-        self, session: Session, publish: Callable[[FeedUpdate], None], notice: Callable[[str], None]
+        self,
+        session: Session,
+        publish: Callable[[FeedUpdate], None],
+        notice: Callable[[str], None],
+        fail: Callable[[Exception], None],
     ) -> None:
         """Begin, once `start` is called.
 
@@ -52,10 +55,12 @@ class SystemFeed:
             session: Of the command; nobody else uses it from then on.
             publish: Called on the thread with what is new.
             notice: Called on the thread with what the user should know.
+            fail: Called on the thread when it ends though nobody has asked for that.
         """
         self._session = session
         self._publish = publish
         self._notice = notice
+        self._fail = fail
         self._host = host_name()
         self._records = SystemRecords.nothing()
         self._known: dict[str, KnownManager] = {}
@@ -88,8 +93,8 @@ class SystemFeed:
                 self._look(observers)
                 self._publish_all(None)
                 self._follow(observers)
-        except RtkitError as error:
-            self._notice(str(error))
+        except Exception as error:
+            self._fail(error)
 
     def _follow(self, observers: Observers) -> None:
         for events in observers.listen(None, (self._ending.fileno(),), lambda: self._due):

@@ -75,7 +75,11 @@ class WebServer:
         self._revision = 0
         self._events: deque[Record] = deque(maxlen=_KEPT_EVENTS)
         self._pages = Pages(_MOST_PAGES)
-        self._feed = SystemFeed(session, self._enter(self._take), self._enter(self._notice))
+        self._feed = SystemFeed(
+            session, self._enter(self._take), self._enter(self._notice), self._enter(self._give_up)
+        )
+        self.failure: Exception | None = None
+        self.end: Callable[[], None] = _never
         self._acting = asyncio.Lock()
 
     def app(self) -> ASGIApp:
@@ -124,6 +128,11 @@ class WebServer:
             self._pages.send(CHANGE, {**data, "events": list(update.events)})
         if update.rates is not None:
             self._pages.send(RATES, update.rates)
+
+    def _give_up(self, failure: Exception) -> None:
+        """End: pages that are not told what changes would show what is not so."""
+        self.failure = failure
+        self.end()
 
     def _notice(self, text: str) -> None:
         self._pages.send(NOTICE, {"level": "warning", "text": text})
@@ -293,6 +302,10 @@ def _caching(path: str) -> str:
     return "public, max-age=31536000, immutable" if is_hashed else "no-store"
 
 
+def _never() -> None:
+    """Stand for the end of a server that does not run."""
+
+
 def listening(port: int) -> socket.socket:
     """Return a socket that listens on this host only, at a free port for 0.
 
@@ -311,7 +324,11 @@ def listening(port: int) -> socket.socket:
 
 
 def serve(server: WebServer, listener: socket.socket) -> None:
-    """Serve at a socket that listens already, until the process is told to end."""
+    """Serve at a socket that listens already, until the process is told to end.
+
+    Raises:
+        Exception: What ended the feed.
+    """
     config = uvicorn.Config(
         server.app(),
         log_level="warning",
@@ -322,4 +339,8 @@ def serve(server: WebServer, listener: socket.socket) -> None:
         limit_concurrency=_MOST_PAGES * 4,
         ws="none",
     )
-    uvicorn.Server(config).run(sockets=[listener])
+    runner = uvicorn.Server(config)
+    server.end = lambda: setattr(runner, "should_exit", True)
+    runner.run(sockets=[listener])
+    if server.failure is not None:
+        raise server.failure

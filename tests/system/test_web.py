@@ -167,6 +167,20 @@ def test_the_system_is_saved_and_compared_in_granted_folders(pair: Shell, tmp_pa
         assert client.ask("GET", "/api/compare?file=/etc/passwd").status == 409
 
 
+def test_it_serves_on_when_nobody_reads_its_output(pair: Shell) -> None:
+    process = pair.open("rtweb --no-browser")
+    assert process.stdout is not None
+    address = process.stdout.readline().strip().removeprefix("http://127.0.0.1:")
+    port, token = address.split("/#token=")
+    process.stdout.close()
+    with WebClient(int(port), token).stream() as stream:
+        stream.until(lambda s: IN in s.components)
+        pair.ok(f"rtact {IN}")
+        stream.until(lambda s: s.components[IN]["word"] == "Active")
+    process.send_signal(signal.SIGINT)
+    process.wait(20)
+
+
 @pytest.mark.parametrize(
     ("method", "path", "headers", "status"),
     [

@@ -48,6 +48,7 @@ class App:
         layers: Files of settings; None in a function, for which only its arguments count.
         given: Settings of those files that count, by key.
         write_error: Writes one line on stderr.
+        needs_reader: Whether it ends when nobody reads its stdout any more.
     """
 
     def __init__(self, name: str, tree: Tree | None = None) -> None:
@@ -63,6 +64,7 @@ class App:
         self.values: tuple[str, ...] = ()
         self.prefix = ""
         self.command: click.Command | None = None
+        self.needs_reader = True
         self.write_error: Callable[[str], object] = _to_stderr
         self._tree = tree
         self._is_own_tree = tree is None
@@ -226,7 +228,7 @@ class App:
         """
         from rtkit.cli.shared.stdout_reader import wait_for
 
-        return wait_for(sources, until)
+        return wait_for(sources, until, needs_reader=self.needs_reader)
 
     def counting(self, title: str) -> AbstractContextManager[Callable[[int, int], None]]:
         """Return a context with what shows how many actions are done, of how many."""

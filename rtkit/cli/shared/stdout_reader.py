@@ -77,18 +77,19 @@ def _pipe() -> int | None:
 _GONE = select.POLLERR | select.POLLHUP | select.POLLNVAL
 
 
-def wait_for(sources: Iterable[int], until: float | None) -> set[int]:
+def wait_for(sources: Iterable[int], until: float | None, *, needs_reader: bool = True) -> set[int]:
     """Wait until descriptors are readable and return those; none when the time is up.
 
     Args:
         sources: Descriptors to wait for.
         until: Deadline, monotonic [s]; None for none.
+        needs_reader: Whether stdout is watched.
 
     Raises:
         BrokenPipeError: Nobody reads stdout any more.
     """
     poll = select.poll()
-    out = _stdout()
+    out = _stdout() if needs_reader else None
     if out is not None:
         poll.register(out, 0)
     for each in sources:

@@ -59,6 +59,7 @@ def main(
 
     check_built(STATIC)
     folders = [_folder(each) for each in roots]
+    app.needs_reader = False  # a script may read the address, and let the page be served on
     listener = listening(port or 0)
     number = listener.getsockname()[1]
     token = secrets.token_urlsafe(16)
