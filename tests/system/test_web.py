@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from shells import Shell
+from shells import ROOT, Shell
 from webkit import WebClient, served
 
 IN, OUT = "/localhost/In0.rtc", "/localhost/Out0.rtc"
@@ -165,6 +165,16 @@ def test_the_system_is_saved_and_compared_in_granted_folders(pair: Shell, tmp_pa
         Path(file).write_text("rubbish", encoding="utf-8")
         assert client.ask("GET", url).status == 409
         assert client.ask("GET", "/api/compare?file=/etc/passwd").status == 409
+
+
+def test_an_interface_has_the_polarity_that_the_page_knows(manager: Shell) -> None:
+    manager.ok("rtmgr -c MyServiceProvider /localhost/manager.mgr")
+    with served(manager) as client, client.stream() as stream:
+        stream.until(lambda s: "/localhost/MyServiceProvider0.rtc" in s.components)
+        ports = stream.components["/localhost/MyServiceProvider0.rtc"]["ports"]
+        (interface,) = next(each["interfaces"] for each in ports if each["name"] == "myservice")
+        types = (ROOT / "web" / "src" / "model" / "types.ts").read_text()
+        assert f"polarity: '{interface['polarity']}' | " in types
 
 
 def test_it_serves_on_when_nobody_reads_its_output(pair: Shell) -> None:

@@ -17,7 +17,7 @@ export const processes = [
 
 const ports = (text) => text.split(' ').filter(Boolean).map((one) => {
   const [direction, name, type = ''] = one.split(':');
-  const interfaces = direction === 'service' ? [{ instance: name, type: type || 'MapService', polarity: name.startsWith('use') ? 'REQUIRED' : 'PROVIDED' }] : [];
+  const interfaces = direction === 'service' ? [{ instance: name, type: type || 'MapService', polarity: name.startsWith('use') ? 'Required' : 'Provided' }] : [];
   return { name, direction, type: direction === 'service' ? '' : type, interfaces };
 });
 

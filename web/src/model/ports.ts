@@ -23,7 +23,7 @@ export function wiresAt(connectors: Iterable<Connector>, component: string, port
 /** What travels through a port: its data type, or the interfaces of a service port. */
 export function portType(port: Port): string {
   if (port.direction !== 'service') return port.type;
-  return port.interfaces.map((one) => `${one.polarity === 'PROVIDED' ? '○' : '◠'} ${one.instance}: ${one.type}`).join(', ');
+  return port.interfaces.map((one) => `${one.polarity === 'Provided' ? '○' : '◠'} ${one.instance}: ${one.type}`).join(', ');
 }
 
 /** The last part of a path, as the tree shows it: `Motor0` of `/localhost/Motor0.rtc`. */

@@ -27,7 +27,7 @@ export interface Context {
   state: string; owner: string;
 }
 
-export interface Interface { instance: string; type: string; polarity: 'PROVIDED' | 'REQUIRED' }
+export interface Interface { instance: string; type: string; polarity: 'Provided' | 'Required' }
 
 export interface Port { name: string; direction: Direction; type: string; interfaces: Interface[] }
 
