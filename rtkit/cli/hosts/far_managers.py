@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.cli.hosts.at_all import at_all, status
 from rtkit.cli.shared.app import App
-from rtkit.errors import Malformed, Unreachable, UsageProblem
+from rtkit.errors import Malformed, RtkitError, Unreachable, UsageProblem
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.manager_address import is_address
 from rtkit.rtc.names import check_instance_name, manager_on
@@ -34,18 +33,24 @@ def run_at_hosts(
     All are tried, at the same time, see `at_all`.
     """
     from rtkit.hosts import ssh_config
+    from rtkit.tree import managers
+    from rtkit.tree.connect import connect
 
     if word not in ("start", "stop"):
         raise UsageProblem(f"--host is for rtmgr start and stop, not {word}")
     hosts = _hosts(word, [*dict.fromkeys(names)], manager)
     app.warn(ssh_config.remarks(hosts))
-    near = _near(app) if word == "start" else _near_if_running(app)
+    is_started = word == "start" and _start_near(app)
+    near = connect("", app.timeout_s) if word == "start" else _near_if_running(app)
     try:
         work = _work(app, word, near, replaces=replaces, is_kept=is_kept)
-        return status(app, at_all(app, hosts, work, str))
+        found = at_all(app, hosts, work, str)
     finally:
         if near is not None:
             near.close()
+    if is_started and all(isinstance(each, RtkitError) for each in found.values()):
+        managers.stop("", app.timeout_s)  # it was to have a link, and has none
+    return status(app, found)
 
 
 def _hosts(word: str, names: Sequence[str], manager: str) -> list[Host]:
@@ -115,17 +120,17 @@ def _summary(host: Host, done: BroughtUp) -> str:
     return "; ".join(parts)
 
 
-def _near(app: App) -> Tree:
-    """Return the manager of this host that has the links; it is started if it does not run."""
+def _start_near(app: App) -> bool:
+    """Start the manager of this host that has the links, unless it runs; return whether it did."""
     from rtkit.api.gathering import start_manager
     from rtkit.link import places
-    from rtkit.tree.connect import connect
 
-    name = os.environ.get("RTKIT_MANAGER") or places.DEFAULT_MANAGER
-    if places.owner(name) is None:
-        start_manager(name, app.timeout_s, app.fail)
-        app.verbose(f"manager {name} of this host is started")
-    return connect(name, app.timeout_s)
+    name = places.usual_manager()
+    if places.owner(name) is not None:
+        return False
+    start_manager(name, app.timeout_s, app.fail)
+    app.verbose(f"manager {name} of this host is started")
+    return True
 
 
 def _near_if_running(app: App) -> Tree | None:
