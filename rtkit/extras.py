@@ -7,8 +7,8 @@ import sys
 
 _OF_MODULES = {
     "Ice": "ice", "cryptography": "hosts", "cv2": "vision", "h11": "http", "numpy": "sim",
-    "paho": "mqtt", "pynmea2": "gps", "rdflib": "rdf", "serial": "serial", "textual": "gui",
-    "watchfiles": "storage",
+    "paho": "mqtt", "pynmea2": "gps", "rdflib": "rdf", "serial": "serial", "starlette": "web",
+    "textual": "gui", "uvicorn": "web", "watchfiles": "storage",
 }  # fmt: skip
 
 

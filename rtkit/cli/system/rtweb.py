@@ -53,7 +53,9 @@ def main(
     except ImportError as error:
         if (error.name or "").partition(".")[0] not in ("starlette", "uvicorn", "anyio"):
             raise
-        raise Refused("the page needs starlette and uvicorn: pip install 'rtkit[web]'") from None
+        from rtkit.extras import how_to_get
+
+        raise Refused(f"the page needs starlette and uvicorn: {how_to_get('web')}") from None
     from rtkit.web.guard import WebGuard
     from rtkit.web.opening import signpost
 
