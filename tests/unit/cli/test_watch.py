@@ -28,7 +28,8 @@ def watch(world: FakeManager, monkeypatch: pytest.MonkeyPatch) -> Watch:
         waits: list[float] = []
         coming = iter(user_events)
 
-        def wait_for(_sources: object, until: float | None) -> set[int]:
+        def wait_for(_sources: object, until: float | None, *, needs_reader: bool) -> set[int]:
+            assert needs_reader
             nonlocal now
             if until is not None:
                 waits.append(max(0.0, until - now))

@@ -119,5 +119,5 @@ def test_kinds(
     if error is None:
         assert find(root, parse_path(typed), "box.lan").name in typed
         return
-    with pytest.raises(error, match=rf"^{why}: {typed}( \(signal 9\))?$"):
+    with pytest.raises(error, match=rf"^{why}: {typed}( \((signal 9|did you mean .*)\))?$"):
         find(root, parse_path(typed), "box.lan")
