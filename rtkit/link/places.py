@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 
@@ -47,7 +48,9 @@ def _host_of_manager() -> str:
         return _hosts.get(path, "")
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC)
-    except OSError:
+    except OSError as error:
+        if error.errno in (errno.EMFILE, errno.ENFILE):  # another name would be a wrong one
+            raise Refused(f"cannot read {path}: {error.strerror}") from None
         return ""
     try:
         is_ours = os.fstat(descriptor).st_uid == os.getuid()

@@ -323,6 +323,11 @@ def listening(port: int) -> socket.socket:
     return listener
 
 
+def address_of(listener: socket.socket, token: str) -> str:
+    """Return the address that the user opens; what is behind ``#`` is never sent."""
+    return f"http://{HERE}:{listener.getsockname()[1]}/#token={token}"
+
+
 def serve(server: WebServer, listener: socket.socket) -> None:
     """Serve at a socket that listens already, until the process is told to end.
 

@@ -238,6 +238,7 @@ ENDLESS = {
     "rttop",
     "rttop -s CPU% /localhost/manager.mgr",
     *(line for line, _ in examples()["rtserve"]),
+    *(line for line, _ in examples()["rtweb"]),
     "rtvlog /localhost/Robot0.rtc",
     "rtvlog -l warn /",
     "rtvlog -f stdout /localhost/manager.mgr/drives.mgr",
@@ -362,13 +363,14 @@ def prepare(shell: Any) -> dict[str, str]:
     (folder / "image.jpg").write_text("...")
     (folder / "robot.conf").write_text("logger.log_level: DEBUG\n")
     (folder / "points.jsonl").write_text('{"data": {"x": 1, "y": 2}}\n')
-    for name in ("idl", "profiles", "systems"):
+    for name in ("idl", "profiles", "robots", "systems"):
         (folder / name).mkdir()
     for name in ("profiles", "systems"):
         shutil.copy(ROOT / "profiles" / "Motor.xml", folder / name / "Motor.xml")
     paths = (str(ROOT / "tests/support"), shell.environment["PYTHONPATH"])
     return {
         **shell.environment,
+        "BROWSER": "true",  # which opens nothing
         "RTCSH_CWD": "/localhost",
         "PYTHONPATH": os.pathsep.join(paths),
     }

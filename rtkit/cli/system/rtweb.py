@@ -49,7 +49,7 @@ def main(
     command ends: who has it does what you may do.
     """
     try:
-        from rtkit.web.server import HERE, STATIC, WebServer, listening, serve
+        from rtkit.web.server import HERE, STATIC, WebServer, address_of, listening, serve
     except ImportError as error:
         if (error.name or "").partition(".")[0] not in ("starlette", "uvicorn", "anyio"):
             raise
@@ -63,7 +63,6 @@ def main(
     folders = [_folder(each) for each in roots]
     app.needs_reader = False  # a script may read the address, and let the page be served on
     listener = listening(port or 0)
-    number = listener.getsockname()[1]
     token = secrets.token_urlsafe(16)
     names = frozenset({"localhost", HERE})
     guard = WebGuard(token, names, is_read_only=is_read_only)
@@ -71,7 +70,7 @@ def main(
     with signpost() as lead:
 
         def ready() -> None:
-            address = f"http://{HERE}:{number}/#token={token}"
+            address = address_of(listener, token)
             terminal.write_now([address])
             if not (no_browser or lead(address)):
                 app.fail("no browser was found here: open the address yourself")
