@@ -34,14 +34,12 @@ def run_at_hosts(
     """
     from rtkit.hosts import ssh_config
     from rtkit.tree import managers
-    from rtkit.tree.connect import connect
 
     if word not in ("start", "stop"):
         raise UsageProblem(f"--host is for rtmgr start and stop, not {word}")
     hosts = _hosts(word, [*dict.fromkeys(names)], manager)
     app.warn(ssh_config.remarks(hosts))
-    is_started = word == "start" and _start_near(app)
-    near = connect("", app.timeout_s) if word == "start" else _near_if_running(app)
+    near, is_started = _near(app) if word == "start" else (_near_if_running(app), False)
     try:
         work = _work(app, word, near, replaces=replaces, is_kept=is_kept)
         found = at_all(app, hosts, work, str)
@@ -120,17 +118,18 @@ def _summary(host: Host, done: BroughtUp) -> str:
     return "; ".join(parts)
 
 
-def _start_near(app: App) -> bool:
-    """Start the manager of this host that has the links, unless it runs; return whether it did."""
+def _near(app: App) -> tuple[Tree, bool]:
+    """Return the manager of this host that has the links, and whether it was started for that."""
     from rtkit.api.gathering import start_manager
     from rtkit.link import places
+    from rtkit.tree.connect import connect
 
     name = places.usual_manager()
-    if places.owner(name) is not None:
-        return False
-    start_manager(name, app.timeout_s, app.fail)
-    app.verbose(f"manager {name} of this host is started")
-    return True
+    is_started = places.owner(name) is None
+    if is_started:
+        start_manager(name, app.timeout_s, app.fail)
+        app.verbose(f"manager {name} of this host is started")
+    return connect(name, app.timeout_s), is_started
 
 
 def _near_if_running(app: App) -> Tree | None:
