@@ -158,15 +158,3 @@ def test_a_system_may_be_connected_across_its_managers(manager: Any) -> None:
     assert shell.run(f"rtcheck {crossed}") == (0, "", "")
     assert shell.run(f"rtteardown --exit {crossed}").status == 0
     assert states(shell) == {}
-
-
-def test_a_manager_that_was_started_for_a_link_ends_without_one(shell):
-    shell.ok("rthost add nobody me@127.0.0.1:1")
-    done = shell.run("rtmgr start --host nobody")
-    assert done.status == 1
-    assert "nobody" in done.err
-    assert shell.run("rtmgr status").status != 0
-    shell.ok("rtmgr start -a")
-    assert shell.run("rtmgr start --host nobody").status == 1
-    shell.ok("rtmgr status")
-    shell.ok("rtmgr stop")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.cli.hosts.at_all import at_all, status
 from rtkit.cli.shared.app import App
-from rtkit.errors import Malformed, RtkitError, Unreachable, UsageProblem
+from rtkit.errors import Malformed, Unreachable, UsageProblem
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.manager_address import is_address
 from rtkit.rtc.names import check_instance_name, manager_on
@@ -33,22 +34,18 @@ def run_at_hosts(
     All are tried, at the same time, see `at_all`.
     """
     from rtkit.hosts import ssh_config
-    from rtkit.tree import managers
 
     if word not in ("start", "stop"):
         raise UsageProblem(f"--host is for rtmgr start and stop, not {word}")
     hosts = _hosts(word, [*dict.fromkeys(names)], manager)
     app.warn(ssh_config.remarks(hosts))
-    near, is_started = _near(app) if word == "start" else (_near_if_running(app), False)
+    near = _near(app) if word == "start" else _near_if_running(app)
     try:
         work = _work(app, word, near, replaces=replaces, is_kept=is_kept)
-        found = at_all(app, hosts, work, str)
+        return status(app, at_all(app, hosts, work, str))
     finally:
         if near is not None:
             near.close()
-    if is_started and all(isinstance(each, RtkitError) for each in found.values()):
-        managers.stop("", app.timeout_s)  # it was to have a link, and has none
-    return status(app, found)
 
 
 def _hosts(word: str, names: Sequence[str], manager: str) -> list[Host]:
@@ -118,18 +115,17 @@ def _summary(host: Host, done: BroughtUp) -> str:
     return "; ".join(parts)
 
 
-def _near(app: App) -> tuple[Tree, bool]:
-    """Return the manager of this host that has the links, and whether it was started for that."""
+def _near(app: App) -> Tree:
+    """Return the manager of this host that has the links; it is started if it does not run."""
     from rtkit.api.gathering import start_manager
     from rtkit.link import places
     from rtkit.tree.connect import connect
 
-    name = places.usual_manager()
-    is_started = places.owner(name) is None
-    if is_started:
+    name = os.environ.get("RTKIT_MANAGER") or places.DEFAULT_MANAGER
+    if places.owner(name) is None:
         start_manager(name, app.timeout_s, app.fail)
         app.verbose(f"manager {name} of this host is started")
-    return connect(name, app.timeout_s), is_started
+    return connect(name, app.timeout_s)
 
 
 def _near_if_running(app: App) -> Tree | None:

@@ -29,7 +29,7 @@ def hosts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "hosts.toml").write_text(text)
     monkeypatch.chdir(tmp_path)
     near = SimpleNamespace(close=lambda: None)
-    monkeypatch.setattr(far_managers, "_near", lambda _app: (near, False))
+    monkeypatch.setattr(far_managers, "_near", lambda _app: near)
 
 
 def _started(monkeypatch: pytest.MonkeyPatch, work: Callable[[Host, Progress], BroughtUp]) -> None:
