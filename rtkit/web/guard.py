@@ -14,6 +14,8 @@ from typing import NamedTuple
 from rtkit.wires.http.guard import stranger
 
 JSON = "application/json"
+DENIED = "denied"
+"""The kind of error of what is not allowed."""
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
     "connect-src 'self'; worker-src 'self'; font-src 'self'; base-uri 'none'; "
@@ -44,13 +46,11 @@ class WebGuard(NamedTuple):
         token: The secret in the address that the user opens.
         names: Names of this host that a browser may ask for, in lower case.
         scheme: ``http`` or ``https``.
-        is_read_only: Nothing is changed through it.
     """
 
     token: str
     names: Container[str]
     scheme: str = "http"
-    is_read_only: bool = False
 
     def refusal(self, method: str, path: str, headers: Mapping[str, str]) -> Refusal | None:
         """Return why a request is refused, None if it is not; names of headers in lower case."""
@@ -59,14 +59,14 @@ class WebGuard(NamedTuple):
             headers = {**headers, "sec-fetch-site": "none"}
         why = stranger(headers, self.names, self.scheme)
         if why:
-            return Refusal(403, "denied", why)
+            return Refusal(403, DENIED, why)
         if not path.startswith("/api/"):
             if method in ("GET", "HEAD"):
                 return None
             return Refusal(405, "malformed", f"{path[:80]} takes no {method[:20]}")
         given = headers.get("authorization", "")
         if not hmac.compare_digest(given.encode(), f"Bearer {self.token}".encode()):
-            return Refusal(401, "denied", "the token is missing, or is of another run")
+            return Refusal(401, DENIED, "the token is missing, or is of another run")
         if method == "GET":
             return None
         if method != "POST":

@@ -72,13 +72,14 @@ class Pages:
     """All pages that are open."""
 
     def __init__(self, most: int) -> None:
-        self._most = most
+        """Have none; there may be `most` at a time."""
+        self.most = most
         self._open: set[PageStream] = set()
 
     @property
     def is_full(self) -> bool:
         """Return whether there are as many as may be."""
-        return len(self._open) >= self._most
+        return len(self._open) >= self.most
 
     def send(self, kind: str, data: Any) -> None:
         """Have an event sent to all pages."""

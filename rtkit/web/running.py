@@ -7,7 +7,7 @@ import json
 import os
 import shlex
 import sys
-from asyncio.subprocess import DEVNULL, PIPE
+from asyncio.subprocess import DEVNULL, PIPE, Process
 from collections.abc import Container, Sequence
 from typing import NamedTuple
 
@@ -15,7 +15,7 @@ from rtkit.errors import Refused, Unreachable
 from rtkit.web.actions import CommandStep
 from rtkit.web.records import Record
 
-_MAIN = "import sys; sys.argv[0] = 'rtkit'; from rtkit.cli import main; main()"
+_MAIN = "import sys; sys.argv[0] = 'rtkit'; from rtkit.cli import main; sys.exit(main())"
 _BOUND_S = 60.0
 """Bound on a command; each has a time-out of its own below that [s]."""
 
@@ -34,16 +34,26 @@ class Outcome(NamedTuple):
     error: str
 
 
+async def started(line: Sequence[str]) -> Process:
+    """Start a command line as a process, whose output is read through pipes."""
+    return await asyncio.create_subprocess_exec(
+        sys.executable, "-P", "-c", _MAIN, *line,
+        stdin=DEVNULL, stdout=PIPE, stderr=PIPE, env={**os.environ, "NO_COLOR": "1"},
+    )  # fmt: skip
+
+
+def message_of(text: str, line: Sequence[str]) -> str:
+    """Return what a command wrote to stderr, without its own name."""
+    return text.strip().replace(f"rtkit {line[0]}: ", "")
+
+
 async def outcome_of(line: Sequence[str]) -> Outcome:
     """Run a command line and return how it ended.
 
     Raises:
         Unreachable: It did not end in time.
     """
-    process = await asyncio.create_subprocess_exec(
-        sys.executable, "-P", "-c", _MAIN, *line,
-        stdin=DEVNULL, stdout=PIPE, stderr=PIPE, env={**os.environ, "NO_COLOR": "1"},
-    )  # fmt: skip
+    process = await started(line)
     try:
         async with asyncio.timeout(_BOUND_S):
             out, err = await process.communicate()
@@ -51,7 +61,7 @@ async def outcome_of(line: Sequence[str]) -> Outcome:
         process.kill()
         await process.wait()
         raise Unreachable(f"{line[0]} did not end in {_BOUND_S:g} s") from None
-    text = err.decode(errors="replace").strip().replace(f"rtkit {line[0]}: ", "")
+    text = message_of(err.decode(errors="replace"), line)
     return Outcome(process.returncode or 0, out.decode(errors="replace"), text)
 
 

@@ -58,6 +58,7 @@ def main(
         raise Refused(f"the page needs starlette and uvicorn: {how_to_get('web')}") from None
     from rtkit.web.guard import WebGuard
     from rtkit.web.opening import signpost
+    from rtkit.web.site import WebSite
 
     check_built(STATIC)
     folders = [_folder(each) for each in roots]
@@ -65,7 +66,8 @@ def main(
     listener = listening(port or 0)
     token = secrets.token_urlsafe(16)
     names = frozenset({"localhost", HERE})
-    guard = WebGuard(token, names, is_read_only=is_read_only)
+    site = WebSite(app, folders, is_read_only=is_read_only)
+    guard = WebGuard(token, names)
 
     with signpost() as lead:
 
@@ -75,7 +77,7 @@ def main(
             if not (no_browser or lead(address)):
                 app.fail("no browser was found here: open the address yourself")
 
-        serve(WebServer(app, guard, ready, folders), listener)
+        serve(WebServer(site, guard, ready), listener)
 
 
 def _folder(typed: str) -> str:

@@ -1,4 +1,4 @@
-import type { Change, Component, Connector, Manager, Picture, Process, Rates, TreeEvent } from './types';
+import type { Change, Component, Connector, Job, JobNews, Manager, Picture, Process, Rates, TreeEvent } from './types';
 
 /** The picture of the running system: the server's events folded, nothing else. */
 export interface System {
@@ -12,6 +12,7 @@ export interface System {
   connectors: ReadonlyMap<string, Connector>;
   events: readonly TreeEvent[];
   rates: Rates;
+  jobs: ReadonlyMap<string, Job>;
   /** Grows when boxes or wires appear, vanish or get other ports: only then a new layout is needed. */
   structure: number;
   /** False until the first picture has come. */
@@ -22,6 +23,7 @@ export type SystemEvent =
   | { kind: 'picture'; picture: Picture }
   | { kind: 'change'; change: Change }
   | { kind: 'rates'; rates: Rates }
+  | { kind: 'job'; news: JobNews }
   | { kind: 'events'; events: TreeEvent[] };
 
 /** So many events are kept for the strip; the server keeps the rest. */
@@ -32,7 +34,7 @@ const NO_RATES: Rates = { connectors: {}, components: {} };
 export const EMPTY_SYSTEM: System = {
   revision: 0, host: '', version: '', isReadOnly: false,
   managers: new Map(), processes: new Map(), components: new Map(), connectors: new Map(),
-  events: [], rates: NO_RATES, structure: 0, isKnown: false,
+  events: [], rates: NO_RATES, jobs: new Map(), structure: 0, isKnown: false,
 };
 
 export function reduceSystem(system: System, event: SystemEvent): System {
@@ -43,6 +45,8 @@ export function reduceSystem(system: System, event: SystemEvent): System {
       return changed(system, event.change);
     case 'rates':
       return { ...system, rates: event.rates };
+    case 'job':
+      return { ...system, jobs: new Map([...system.jobs, [event.news.id, jobOf(event.news)]]) };
     case 'events':
       return { ...system, events: [...event.events, ...newer(system.events, event.events)].slice(-EVENTS_KEPT) };
   }
@@ -59,9 +63,12 @@ function fromPicture(system: System, picture: Picture): System {
     revision: picture.revision, host: picture.host, version: picture.version, isReadOnly: picture.read_only,
     managers: byId(picture.managers), processes: byId(picture.processes),
     components: byId(picture.components), connectors: byId(picture.connectors),
-    events: system.events, rates: NO_RATES, structure: system.structure + 1, isKnown: true,
+    events: system.events, rates: NO_RATES, jobs: byId(picture.jobs), structure: system.structure + 1, isKnown: true,
   };
 }
+
+/** The job without its rows: those go to who listens. */
+const jobOf = ({ id, kind, text, command, status, error, count }: JobNews): Job => ({ id, kind, text, command, status, error, count });
 
 function changed(system: System, change: Change): System {
   // A change at or below the picture's revision is already part of it.

@@ -55,7 +55,7 @@ export interface Records {
   managers: Manager[]; processes: Process[]; components: Component[]; connectors: Connector[];
 }
 
-export interface Picture extends Records { revision: number; host: string; version: string; read_only: boolean }
+export interface Picture extends Records { revision: number; host: string; version: string; read_only: boolean; jobs: Job[] }
 
 export interface Change extends Records {
   revision: number; time: number;
@@ -69,6 +69,15 @@ export interface Rates {
 }
 
 export interface Notice { level: 'error' | 'warning' | 'info'; text: string }
+
+/** A command line that goes on for some time; `status` is null while it runs, `count` the number of rows it has told. */
+export interface Job { id: string; kind: string; text: string; command: string; status: number | null; error: string; count: number }
+
+/** One of the JSON objects that a job tells. */
+export type JobRow = Record<string, unknown>;
+
+/** News of a job; `first` is the number of the first of its new rows. */
+export interface JobNews extends Job { first?: number; rows?: JobRow[] }
 
 export type BoxKind = 'component' | 'process' | 'manager' | 'composite';
 

@@ -9,6 +9,9 @@ export class ServerError extends Error {
 
 /** Calls of the server: everything the page asks for beside the stream. */
 export interface Api {
+  /** Calls of rooms: each knows the shape of its answers. */
+  get: <T>(path: string) => Promise<T>;
+  post: <T>(path: string, body: object) => Promise<T>;
   layout: (folded: string[]) => Promise<Layout>;
   act: (actions: Action[], isDryRun: boolean) => Promise<Done>;
   connectable: (port: string) => Promise<Connectable[]>;
@@ -25,6 +28,8 @@ export function createApi(token: string): Api {
   const post = <T>(path: string, body: object) =>
     call<T>(path, { method: 'POST', headers: { ...headers, 'Content-Type': 'application/json' }, body: JSON.stringify(body) });
   return {
+    get,
+    post,
     layout: (folded) => post<Layout>('/api/layout', { folded }),
     act: (actions, isDryRun) => post<Done>('/api/do', { actions, dry_run: isDryRun }),
     connectable: async (port) => (await get<{ ports: Connectable[] }>(`/api/connectable?port=${encodeURIComponent(port)}`)).ports,

@@ -1,4 +1,4 @@
-import { useCallback, useEffect, useMemo, useReducer, useState } from 'react';
+import { Suspense, useCallback, useEffect, useMemo, useReducer, useState } from 'react';
 
 import { ConnectDialog } from '../actions/ConnectDialog';
 import { CreateDialog } from '../actions/CreateDialog';
@@ -18,6 +18,7 @@ import { Inspector } from '../panels/Inspector';
 import { TableView } from '../panels/TableView';
 import { TreePanel } from '../panels/TreePanel';
 import { createApi } from '../server/api';
+import { createSubscriptions } from '../server/subscriptions';
 import { useTexts, type Texts } from '../texts';
 import { Banner } from './Banner';
 import { KeysDialog } from './KeysDialog';
@@ -27,6 +28,7 @@ import { TopBar, type Settings } from './TopBar';
 import { EditorContext, RatesContext } from './contexts';
 import { addressOf } from './address';
 import { useEditorValue } from './editor';
+import { ROOMS, isRoom } from './rooms';
 import { useAddress } from './useAddress';
 import { useLayout } from './useLayout';
 import { useShortcuts } from './useShortcuts';
@@ -39,17 +41,18 @@ interface Props { token: string; settings: Settings; onDenied: () => void }
 export function EditorPage({ token, settings, onDenied }: Props) {
   const texts = useTexts();
   const api = useMemo(() => createApi(token), [token]);
+  const subscriptions = useMemo(() => createSubscriptions(), []);
   const toasts = useToasts();
   const { add } = toasts;
   const onNotice = useCallback(({ level, text }: Notice) => add({ level, title: text, lines: [], command: '', canUndo: false }), [add]);
   const onError = useCallback((text: string) => onNotice({ level: 'error', text }), [onNotice]);
-  const { system, link, lostAt } = useSystem(token, api, onNotice);
+  const { system, link, lostAt } = useSystem(token, api, subscriptions, onNotice);
   const [view, dispatch] = useReducer(reduceView, FIRST_VIEW, (first) => arrived(first, addressOf(location.hash)));
   useAddress(view, dispatch);
   const layout = useLayout(api, system.structure, view.folded, onError);
   const { asked, history, perform, move } = useActions(api, toasts);
   const canChange = link === 'up' && !system.isReadOnly;
-  const editor = useEditorValue(api, canChange, system, dispatch, perform);
+  const editor = useEditorValue(api, subscriptions, canChange, system, dispatch, perform);
   useEffect(() => {
     if (link === 'denied') onDenied();
   }, [link, onDenied]);
@@ -68,26 +71,34 @@ export function EditorPage({ token, settings, onDenied }: Props) {
     const actions = removeActions(view.selection, system);
     if (actions.length && canChange) void perform(actions, removeLabel(view.selection, system, texts));
   };
+  const { dialog } = view;
+  const Room = isRoom(view.kind) ? ROOMS[view.kind] : null;
   useShortcuts({
     palette: () => editor.open({ kind: 'palette' }),
     keys: () => editor.open({ kind: 'keys' }),
-    undo: () => canChange && void move('undo'),
-    redo: () => canChange && void move('redo'),
-    remove,
-    connect,
-    clear: () => editor.select([]),
     turn: () => editor.show(view.kind === 'table' ? 'diagram' : 'table'),
+    // What lives is not seen in a room: there these keys are about what is.
+    ...(!Room && {
+      undo: () => canChange && void move('undo'),
+      redo: () => canChange && void move('redo'),
+      remove,
+      connect,
+      clear: () => editor.select([]),
+    }),
   });
-  const { dialog } = view;
+  // Panels are about what lives; a room has the whole page.
+  const panels = Room ? { tree: false, inspector: false, events: false } : view.panels;
 
   return (
     <EditorContext value={editor}>
       <RatesContext value={system.rates}>
-        <div className={`page ${link === 'up' ? '' : 'is-stale'}`} data-tree={view.panels.tree} data-inspector={view.panels.inspector} data-events={view.panels.events}>
+        <div className={`page ${link === 'up' ? '' : 'is-stale'}`} data-tree={panels.tree} data-inspector={panels.inspector} data-events={panels.events}>
           <TopBar system={system} view={view} history={history} settings={settings} onMove={(way) => void move(way)} />
           <Banner link={link} lostAt={lostAt} managers={system.managers} />
-          {view.panels.tree && <TreePanel managers={system.managers} processes={system.processes} components={system.components} selection={view.selection} filter={view.filter} />}
-          {view.kind === 'table' ? <TableView system={system} filter={view.filter} /> : (
+          {panels.tree && <TreePanel managers={system.managers} processes={system.processes} components={system.components} selection={view.selection} filter={view.filter} />}
+          {Room ? (
+            <Suspense fallback={<main className="room"><p className="empty">{texts.bar.roomLoading}</p></main>}><Room system={system} view={view} /></Suspense>
+          ) : view.kind === 'table' ? <TableView system={system} filter={view.filter} /> : (
             <main className="stage">
               {layout && system.components.size > 0 && (
                 <Canvas system={system} layout={layout} view={view} onOpen={openInspector}
@@ -96,8 +107,8 @@ export function EditorPage({ token, settings, onDenied }: Props) {
               {!(layout && system.components.size) && <p className="empty">{system.isKnown && !system.components.size ? texts.canvas.empty : link === 'connecting' ? texts.link.connecting : texts.canvas.loading}</p>}
             </main>
           )}
-          {view.panels.inspector && <Inspector system={system} view={view} focusCount={focusCount} />}
-          {view.panels.events && <EventsPanel events={system.events} />}
+          {panels.inspector && <Inspector system={system} view={view} focusCount={focusCount} />}
+          {panels.events && <EventsPanel events={system.events} />}
         </div>
         {dialog?.kind === 'palette' && <Palette system={system} given={{ system, view, selected, history, settings, onMove: move, onConnect: connect, onRemove: remove }} />}
         {dialog?.kind === 'keys' && <KeysDialog />}

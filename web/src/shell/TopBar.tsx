@@ -5,6 +5,7 @@ import { Counts } from '../parts/Counts';
 import { Icon, type IconName } from '../parts/icons';
 import { LANGUAGES, useTexts, type Language } from '../texts';
 import { useEditor } from './contexts';
+import { ROOM_KINDS, isRoom } from './rooms';
 import type { Theme } from './theme';
 import type { Panel, View } from './view';
 
@@ -27,6 +28,7 @@ export function TopBar({ system, view, history, settings, onMove }: Props) {
       <button type="button" className="search" onClick={() => open({ kind: 'palette' })}><Icon name="search" /><span>{texts.bar.search}</span><kbd>Ctrl K</kbd></button>
       <div className="group" role="group" aria-label={texts.bar.views}>
         {(['diagram', 'table'] as const).map((kind) => <button key={kind} type="button" aria-pressed={view.kind === kind} onClick={() => show(kind)}>{texts.bar[kind]}</button>)}
+        {ROOM_KINDS.map((kind) => <button key={kind} type="button" aria-pressed={view.kind === kind} onClick={() => show(kind)}>{texts.bar.rooms[kind]}</button>)}
       </div>
       <div className="group">
         <IconButton icon="undo" label={undo ? texts.bar.undoOf(named(undo)) : texts.bar.undo} isDisabled={!undo || !canChange} onClick={() => onMove('undo')} />
@@ -36,7 +38,7 @@ export function TopBar({ system, view, history, settings, onMove }: Props) {
       <button type="button" onClick={() => open({ kind: 'files' })}>{texts.files.open}</button>
       <button type="button" onClick={() => open({ kind: 'export' })}>{texts.exporting.open}</button>
       <div className="group">
-        {PANELS.map(([panel, icon]) => (
+        {!isRoom(view.kind) && PANELS.map(([panel, icon]) => (
           <IconButton key={panel} icon={icon} isPressed={view.panels[panel]} onClick={() => togglePanel(panel)}
             label={view.panels[panel] ? texts.bar.hide(texts.bar[panel]) : texts.bar.show(texts.bar[panel])} />
         ))}

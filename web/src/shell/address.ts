@@ -1,13 +1,15 @@
 import { LOOKS } from '../model/types';
+import { isRoom } from './rooms';
 import type { Filter, View, ViewKind } from './view';
 
 /** What an address tells of a view: a link opens the same. The token is no part of it. */
-export interface Address { kind: ViewKind; selection: readonly string[]; filter: Filter }
+export interface Address { kind: ViewKind; of: string; selection: readonly string[]; filter: Filter }
 
 /** The fragment for a view; empty for the first one. */
-export function fragmentOf({ kind, selection, filter }: Pick<View, keyof Address>): string {
+export function fragmentOf({ kind, of, selection, filter }: Pick<View, keyof Address>): string {
   const fields = new URLSearchParams();
   if (kind !== 'diagram') fields.set('view', kind);
+  if (of) fields.set('of', of);
   for (const id of selection) fields.append('select', id);
   if (filter.text) fields.set('filter', filter.text);
   if (filter.look !== 'all') fields.set('state', filter.look);
@@ -19,8 +21,10 @@ export function fragmentOf({ kind, selection, filter }: Pick<View, keyof Address
 export function addressOf(fragment: string): Address {
   const fields = new URLSearchParams(fragment.replace(/^#/, ''));
   const look = fields.get('state') ?? 'all';
+  const kind = fields.get('view') ?? '';
   return {
-    kind: fields.get('view') === 'table' ? 'table' : 'diagram',
+    kind: kind === 'table' || isRoom(kind) ? kind : 'diagram',
+    of: fields.get('of') ?? '',
     selection: fields.getAll('select'),
     filter: { text: fields.get('filter') ?? '', look: isLookFilter(look) ? look : 'all' },
   };

@@ -3,11 +3,13 @@ import { useEffect, useMemo, useRef, type Dispatch } from 'react';
 import type { System } from '../model/system';
 import { portEnd, type Action } from '../model/types';
 import type { Api } from '../server/api';
+import type { Subscriptions } from '../server/subscriptions';
 import type { Dialog, Filter, Panel, ViewEvent, ViewKind } from './view';
 
 /** What the parts of the page ask for. */
 export interface Editor {
   api: Api;
+  subscriptions: Subscriptions;
   /** False while the server is read-only or out of reach. */
   canChange: boolean;
   select: (ids: readonly string[]) => void;
@@ -16,7 +18,8 @@ export interface Editor {
   toggleFold: (id: string) => void;
   place: (places: ReadonlyMap<string, { x: number; y: number }>) => void;
   arrange: () => void;
-  show: (view: ViewKind) => void;
+  /** Goes to a room, and there to what `of` names. */
+  show: (view: ViewKind, of?: string) => void;
   filter: (filter: Filter) => void;
   togglePanel: (panel: Panel) => void;
   open: (dialog: Dialog | null) => void;
@@ -26,7 +29,7 @@ export interface Editor {
 }
 
 export function useEditorValue(
-  api: Api, canChange: boolean, system: System, dispatch: Dispatch<ViewEvent>, perform: Editor['perform'],
+  api: Api, subscriptions: Subscriptions, canChange: boolean, system: System, dispatch: Dispatch<ViewEvent>, perform: Editor['perform'],
 ): Editor {
   const latest = useRef(system);
   useEffect(() => {
@@ -34,6 +37,7 @@ export function useEditorValue(
   }, [system]);
   return useMemo<Editor>(() => ({
     api,
+    subscriptions,
     canChange,
     perform,
     select: (ids) => dispatch({ kind: 'select', ids }),
@@ -45,12 +49,12 @@ export function useEditorValue(
     place: (places) => dispatch({ kind: 'place', places }),
     arrange: () => dispatch({ kind: 'arrange' }),
     filter: (filter) => dispatch({ kind: 'filter', filter }),
-    show: (view) => dispatch({ kind: 'show', view }),
+    show: (view, of = '') => dispatch({ kind: 'show', view, of }),
     togglePanel: (panel) => dispatch({ kind: 'panel', panel }),
     open: (dialog) => dispatch({ kind: 'dialog', dialog }),
     draft: (key, parameter, text) => dispatch({ kind: 'draft', key, parameter, text }),
     undraft: (key) => dispatch({ kind: 'undraft', key }),
-  }), [api, canChange, dispatch, perform]);
+  }), [api, subscriptions, canChange, dispatch, perform]);
 }
 
 /** Events name ports, too: what is shown then is the component of the port. */

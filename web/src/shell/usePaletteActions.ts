@@ -7,6 +7,7 @@ import { LANGUAGES, useTexts } from '../texts';
 import type { Command } from './Palette';
 import type { Settings } from './TopBar';
 import { useEditor } from './contexts';
+import { ROOM_KINDS } from './rooms';
 import type { View } from './view';
 
 export interface PaletteGiven {
@@ -39,6 +40,7 @@ export function usePaletteActions({ system, view, selected, history, settings, o
     ]) : []),
     command(texts.files.open, () => editor.open({ kind: 'files' })),
     command(texts.exporting.open, () => editor.open({ kind: 'export' })),
+    ...ROOM_KINDS.filter((kind) => kind !== view.kind).map((kind) => command(texts.bar.rooms[kind], () => editor.show(kind))),
     view.kind === 'table' ? command(texts.bar.diagram, () => editor.show('diagram')) : command(texts.bar.table, () => editor.show('table')),
     ...(view.placed.size ? [command(texts.bar.arrange, editor.arrange)] : []),
     ...(['auto', 'light', 'dark'] as const).filter((theme) => theme !== settings.theme).map((theme) => command(`${texts.bar.theme}: ${texts.bar.themes[theme]}`, () => settings.setTheme(theme))),

@@ -6,9 +6,9 @@ export function isTyping(event: KeyboardEvent): boolean {
   return Boolean(at?.closest('input, select, textarea, dialog, [contenteditable]'));
 }
 
-export interface Shortcuts {
-  palette: () => void; keys: () => void; undo: () => void; redo: () => void; remove: () => void; connect: () => void; clear: () => void; turn: () => void;
-}
+type Name = 'palette' | 'keys' | 'undo' | 'redo' | 'remove' | 'connect' | 'clear' | 'turn';
+/** What keys do; one without a function is left to others. */
+export type Shortcuts = Partial<Record<Name, () => void>>;
 
 /** Keys that hold everywhere in the page, but not while one types. */
 export function useShortcuts(shortcuts: Shortcuts): void {
@@ -19,16 +19,17 @@ export function useShortcuts(shortcuts: Shortcuts): void {
   useEffect(() => {
     const onKey = (event: KeyboardEvent) => {
       const name = shortcutOf(event);
-      if (!name) return;
+      const go = name && latest.current[name];
+      if (!go) return;
       event.preventDefault();
-      latest.current[name]();
+      go();
     };
     addEventListener('keydown', onKey);
     return () => removeEventListener('keydown', onKey);
   }, []);
 }
 
-function shortcutOf(event: KeyboardEvent): keyof Shortcuts | null {
+function shortcutOf(event: KeyboardEvent): Name | null {
   if (document.querySelector('dialog[open]')) return null;
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
   const isControl = event.ctrlKey || event.metaKey;
@@ -37,7 +38,7 @@ function shortcutOf(event: KeyboardEvent): keyof Shortcuts | null {
   if (isControl && key === 'z') return event.shiftKey ? 'redo' : 'undo';
   if (isControl && key === 'y') return 'redo';
   if (isControl || event.altKey) return null;
-  const plain: Record<string, keyof Shortcuts> = {
+  const plain: Record<string, Name> = {
     '/': 'palette', '?': 'keys', c: 'connect', t: 'turn', Delete: 'remove', Backspace: 'remove', Escape: 'clear',
   };
   return plain[key] ?? null;

@@ -1,14 +1,15 @@
 import { useEffect, useReducer, useState } from 'react';
 
 import { EMPTY_SYSTEM, reduceSystem, type System } from '../model/system';
-import type { Change, Notice, Picture, Rates } from '../model/types';
+import type { Change, JobNews, Notice, Picture, Rates } from '../model/types';
 import { sentence, type Api } from '../server/api';
+import type { Subscriptions } from '../server/subscriptions';
 import { openStream, type Link } from '../server/stream';
 
 interface Watched { system: System; link: Link; lostAt: number }
 
 /** The system as the server tells it, and how the connection stands. */
-export function useSystem(token: string, api: Api, onNotice: (notice: Notice) => void): Watched {
+export function useSystem(token: string, api: Api, subscriptions: Subscriptions, onNotice: (notice: Notice) => void): Watched {
   const [system, dispatch] = useReducer(reduceSystem, EMPTY_SYSTEM);
   const [{ link, lostAt }, setLink] = useState<{ link: Link; lostAt: number }>({ link: 'connecting', lostAt: 0 });
   useEffect(() => {
@@ -22,11 +23,13 @@ export function useSystem(token: string, api: Api, onNotice: (notice: Notice) =>
         if (event === 'picture') dispatch({ kind: 'picture', picture: record as Picture });
         else if (event === 'change') dispatch({ kind: 'change', change: record as Change });
         else if (event === 'rates') dispatch({ kind: 'rates', rates: record as Rates });
+        else if (event === 'job') dispatch({ kind: 'job', news: record as JobNews });
         else if (event === 'notice') onNotice(record as Notice);
+        subscriptions.notify(event, record);
       },
     });
     return close;
-  }, [token, onNotice]);
+  }, [token, subscriptions, onNotice]);
   useEffect(() => {
     // The stream tells what happens from now on; what happened before is a call of its own.
     api.events().then(

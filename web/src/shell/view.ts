@@ -1,8 +1,9 @@
 import type { Look, PortEnd } from '../model/types';
 import type { Address } from './address';
+import type { RoomKind } from './rooms';
 
 export type Panel = 'tree' | 'inspector' | 'events';
-export type ViewKind = 'diagram' | 'table';
+export type ViewKind = 'diagram' | 'table' | RoomKind;
 /** What the tree and the tables show of all that there is. */
 export interface Filter { text: string; look: Look | 'all' | 'troubled' }
 export type Dialog =
@@ -14,6 +15,8 @@ export type Dialog =
 /** What this page shows and how; nothing of it is known to the server. */
 export interface View {
   kind: ViewKind;
+  /** What the room is about: a file, a path, a name; empty for its first page. */
+  of: string;
   selection: readonly string[];
   filter: Filter;
   folded: ReadonlySet<string>;
@@ -27,7 +30,7 @@ export interface View {
 }
 
 export type ViewEvent =
-  | { kind: 'show'; view: ViewKind }
+  | { kind: 'show'; view: ViewKind; of: string }
   | { kind: 'select'; ids: readonly string[] }
   | { kind: 'reveal'; id: string; ancestors: readonly string[] }
   | { kind: 'fold'; id: string }
@@ -44,7 +47,7 @@ export type ViewEvent =
 const hasRoom = typeof innerHeight === 'undefined' || innerHeight > 780;
 
 export const FIRST_VIEW: View = {
-  kind: 'diagram', selection: [], filter: { text: '', look: 'all' }, folded: new Set(), placed: new Map(),
+  kind: 'diagram', of: '', selection: [], filter: { text: '', look: 'all' }, folded: new Set(), placed: new Map(),
   panels: { tree: true, inspector: true, events: hasRoom }, dialog: null, centre: null, drafts: new Map(),
 };
 
@@ -53,7 +56,7 @@ export const draftKey = (component: string, set: string): string => `${component
 export function reduceView(view: View, event: ViewEvent): View {
   switch (event.kind) {
     case 'show':
-      return { ...view, kind: event.view };
+      return { ...view, kind: event.view, of: event.of };
     case 'select':
       return sameIds(view.selection, event.ids) ? view : { ...view, selection: event.ids };
     case 'reveal': {

@@ -20,3 +20,6 @@ export const rememberLanguage = (language: Language): void => localStorage.setIt
 
 export const TextsContext = createContext<Texts>(en);
 export const useTexts = (): Texts => useContext(TextsContext);
+
+/** The texts of a room, which are loaded with it, in the language of the page. */
+export const useRoomTexts = <T,>(catalogues: Record<Language, T>): T => catalogues[useTexts().key];

@@ -1,5 +1,6 @@
 /** English texts. Those of other languages have the same keys: `Texts` is the type of this catalogue. */
 export const en = {
+  key: 'en' as 'en' | 'ja',
   language: 'English',
   looks: {
     active: 'Active', inactive: 'Inactive', error: 'Error', created: 'Created', unknown: 'Unknown',
@@ -26,7 +27,7 @@ export const en = {
   },
 
   bar: {
-    search: 'Search or do …', views: 'View', diagram: 'Diagram', table: 'Table',
+    search: 'Search or do …', views: 'View', rooms: { jobs: 'Jobs' }, roomLoading: 'Loading …', diagram: 'Diagram', table: 'Table',
     undo: 'Undo', redo: 'Redo', arrange: 'Arrange', fit: 'Fit', zoomIn: 'Zoom in', zoomOut: 'Zoom out',
     help: 'Keys', theme: 'Colours', themes: { auto: 'Auto', light: 'Light', dark: 'Dark' },
     languageLabel: 'Language', tree: 'Tree', inspector: 'Inspector', events: 'Events',

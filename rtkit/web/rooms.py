@@ -1,0 +1,13 @@
+"""The rooms of the server: each answers the requests of one part of the page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from starlette.routing import Route
+
+from rtkit.web import files, job_room, system
+from rtkit.web.site import WebSite
+
+ROOMS: Sequence[Callable[[WebSite], list[Route]]] = (system.routes, files.routes, job_room.routes)
+"""Each returns the routes of its room."""

@@ -1,0 +1,94 @@
+"""State that the rooms of the server share: the live system, open pages, folders, and jobs."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rtkit.link.places import host_name
+from rtkit.version import __version__
+from rtkit.web.feed import FeedUpdate
+from rtkit.web.jobs import Jobs
+from rtkit.web.pages import Pages
+from rtkit.web.records import Record, SystemRecords, change_between
+from rtkit.web.replies import Denied
+
+if TYPE_CHECKING:
+    from rtkit.api.session import Session
+    from rtkit.web.records import KnownManager
+
+MOST_PAGES = 64
+_KEPT_EVENTS = 10_000
+
+
+class WebSite:
+    """The live system as of now, and whether it may be changed.
+
+    Attributes:
+        session: The connection to managers; the thread of the feed uses it.
+        folders: Those whose files may be read and written; their paths have no links.
+        is_read_only: Nothing may be changed.
+        host: The name of this host.
+        pages: Those that are open.
+        jobs: Commands that go on for some time.
+        update: What the feed has told last.
+        revision: Grows with each change.
+        events: The last ones, with their times.
+    """
+
+    def __init__(self, session: Session, folders: Sequence[str], *, is_read_only: bool) -> None:
+        """Know nothing yet."""
+        self.session = session
+        self.folders = folders
+        self.is_read_only = is_read_only
+        self.host = host_name()
+        self.pages = Pages(MOST_PAGES)
+        self.jobs = Jobs(self.pages)
+        self.update = FeedUpdate(SystemRecords.nothing(), (), (), None)
+        self.revision = 0
+        self.events: deque[Record] = deque(maxlen=_KEPT_EVENTS)
+
+    @property
+    def records(self) -> SystemRecords:
+        """Return what lives."""
+        return self.update.records
+
+    @property
+    def managers(self) -> Sequence[KnownManager]:
+        """Return the managers, with all that they tell."""
+        return self.update.managers
+
+    def take(self, update: FeedUpdate) -> Record | None:
+        """Take what the feed tells; return what has changed by it, None for nothing."""
+        change = change_between(self.records, update.records)
+        self.update = update
+        self.events.extend(update.events)
+        if not change and not update.events:
+            return None
+        self.revision += 1
+        fresh = {name: list(each.values()) for name, each in change.fresh._asdict().items()}
+        return {
+            "revision": self.revision, **fresh, "gone": change.gone, "events": list(update.events),
+        }  # fmt: skip
+
+    def picture(self) -> Record:
+        """Return everything that is known now."""
+        records = {name: list(each.values()) for name, each in self.records._asdict().items()}
+        return {
+            "revision": self.revision,
+            "host": self.host,
+            "version": __version__,
+            "read_only": self.is_read_only,
+            "jobs": self.jobs.records(),
+            **records,
+        }
+
+    def check_change(self) -> None:
+        """Return if something may be changed.
+
+        Raises:
+            Denied: The page is read-only.
+        """
+        if self.is_read_only:
+            raise Denied("this page is read-only")

@@ -1,0 +1,108 @@
+"""Answers about the system that lives: its layout, actions, what fits and is offered, events."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.routing import Route
+
+from rtkit.drawing.export import FORMS, exported
+from rtkit.errors import Malformed, NotFound
+from rtkit.web.actions import Action, CommandStep, steps_of
+from rtkit.web.arrange import arranged, scene_of
+from rtkit.web.fitting import fitting, offers_of
+from rtkit.web.records import Record
+from rtkit.web.replies import body_of
+from rtkit.web.running import carried_out, records_from, shown
+from rtkit.web.site import WebSite
+
+_TYPES = {"svg": "image/svg+xml"}
+
+
+def routes(site: WebSite) -> list[Route]:
+    """Return the requests about what lives."""
+    room = _SystemRoom(site)
+    return [
+        Route("/api/layout", room.layout, methods=["POST"]),
+        Route("/api/do", room.do, methods=["POST"]),
+        Route("/api/connectable", room.connectable),
+        Route("/api/offers", room.offers),
+        Route("/api/export", room.export),
+        Route("/api/events", room.events),
+    ]
+
+
+class _SystemRoom:
+    def __init__(self, site: WebSite) -> None:
+        self._site = site
+        self._acting = asyncio.Lock()
+
+    async def layout(self, request: Request) -> Response:
+        folded = (await body_of(request)).get("folded", [])
+        if not isinstance(folded, list) or not all(isinstance(each, str) for each in folded):
+            raise Malformed("folded: a list of ids is wanted")
+        revision, records = self._site.revision, self._site.records
+        layout = await asyncio.to_thread(arranged, records, folded)
+        return JSONResponse({"revision": revision, **layout})
+
+    async def do(self, request: Request) -> Response:
+        body = await body_of(request)
+        async with self._acting:  # what one action expects, another one may not change meanwhile
+            steps = steps_of(body.get("actions"), self._site.records, self._site.folders)
+            if body.get("dry_run"):
+                return JSONResponse(_outcome([shown(each) for each in steps], steps))
+            self._site.check_change()
+            done: list[Record] = []
+            for step in steps:
+                done.append(await carried_out(step))
+                if not done[-1]["ok"]:
+                    break
+        done += [shown(each) for each in steps[len(done) :]]
+        return JSONResponse(_outcome(done, steps))
+
+    async def connectable(self, request: Request) -> Response:
+        port = request.query_params.get("port", "")
+        return JSONResponse({"ports": fitting(port, self._site.managers, self._site.host)})
+
+    async def offers(self, request: Request) -> Response:
+        id = request.query_params.get("manager", "")
+        if id not in self._site.records.managers:
+            raise NotFound(f"No such manager: {id}")
+        rows, (manager,) = await asyncio.gather(
+            records_from(("rtmgr", "--json", "-m", "--", id)),
+            records_from(("rtcat", "--json", "--", id)),
+        )
+        return JSONResponse(offers_of(rows, [each["file"] for each in manager["modules"]]))
+
+    async def export(self, request: Request) -> Response:
+        form = request.query_params.get("form", "svg")
+        if form not in FORMS:
+            raise Malformed(f"form: {', '.join(FORMS)}, not {form!r}")
+        text = exported(scene_of(self._site.records), form, self._site.host)
+        return PlainTextResponse(text, media_type=_TYPES.get(form, "text/plain"))
+
+    async def events(self, request: Request) -> Response:
+        try:
+            since = float(request.query_params.get("since", "0"))
+        except ValueError:
+            since = math.nan
+        if not math.isfinite(since):
+            raise Malformed("since: a time is wanted [s since 1970]")
+        return JSONResponse({"events": [e for e in self._site.events if e["time"] >= since]})
+
+
+def _outcome(done: list[Record], steps: list[CommandStep]) -> Record:
+    """Return how steps went, and the actions that take back those that were done."""
+    count = sum(each["ok"] is not False for each in done)
+    undone = steps[: next((n for n, each in enumerate(done) if each["ok"] is False), count)]
+    undo: list[Action] | None = []
+    reason = ""
+    for step in reversed(undone):
+        if step.undo is None:
+            undo, reason = None, step.undo_reason
+            break
+        undo = [*(undo or []), *step.undo]
+    return {"steps": done, "undo": undo, "undo_reason": reason}

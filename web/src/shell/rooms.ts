@@ -1,0 +1,19 @@
+import { lazy, type ComponentType, type LazyExoticComponent } from 'react';
+
+import type { System } from '../model/system';
+import type { View } from './view';
+
+export interface RoomProps { system: System; view: View }
+
+type Part = LazyExoticComponent<ComponentType<RoomProps>>;
+
+/** The rooms beside the diagram and its tables. Each is loaded when it is entered; its title is in the texts, under its kind. */
+export const ROOMS = {
+  jobs: lazy(() => import('../rooms/jobs/JobsRoom')),
+} satisfies Record<string, Part>;
+
+export type RoomKind = keyof typeof ROOMS;
+
+export const ROOM_KINDS = Object.keys(ROOMS) as readonly RoomKind[];
+
+export const isRoom = (kind: string): kind is RoomKind => Object.hasOwn(ROOMS, kind);
