@@ -405,6 +405,24 @@ def test_deleting_the_active_state_must_say_where_to_go(
     assert client.get("butler.machine.properties") == ("a",)
 
 
+def test_an_edit_of_what_was_edited_meanwhile_is_refused(
+    client: rtkit.Client, ends: ExitStack
+) -> None:
+    ends.enter_context(rtkit.serve(StateMachine(HOME), "butler"))
+    revision = client.get("butler.machine.meta.revision")
+    part = client.get_bytes("butler.machine.lit.first").decode()
+    client.set("butler.machine.lit.first", part.replace("swap", "turn"))
+    assert client.get("butler.edits") == 1
+    for condition in ({"edits": 0}, {"if": revision}):
+        with pytest.raises(rtkit.PropertyError) as refused:
+            client.set("butler.machine", HOME, **condition)
+        assert refused.value.code == "conflict"
+    assert "turn" in client.get_bytes("butler.machine").decode()
+    client.set("butler.machine", HOME, edits=1)
+    assert client.get_bytes("butler.machine").decode() == HOME
+    assert client.get("butler.edits") == 2
+
+
 EDITED = f"""{HEAD}
 :m a sm:Machine ; sm:initial :a ; sm:variable [ sm:name "n" ; sm:value 0 ] .
 :a a sm:State ; sm:initial :x ; sm:substate :x, :y ;

@@ -16,7 +16,7 @@ from rtkit import init_of
 from rtkit.services.statemachine.expressions import Plain
 from rtkit.services.statemachine.interpreter import Interpreter, MachineEvent, OutgoingSet
 from rtkit.services.statemachine.links import ServiceLink, ServiceNames, service_of
-from rtkit.services.statemachine.model import Machine, MachineState, hint
+from rtkit.services.statemachine.model import Machine, MachineState, hint, is_in
 from rtkit.services.statemachine.rdf import read_machine, write_machine
 
 _RETRY_S = 1.0
@@ -43,11 +43,13 @@ class StateMachine(rtkit.Names):
 
     Attributes:
         state: Path of the innermost active state.
+        edits: Edits that are in force.
     """
 
     type: Final = ("statemachine",)
     version: Final = "1.0"
     state: Final = ""
+    edits: Final = 0
 
     def __init__(
         self,
@@ -70,7 +72,8 @@ class StateMachine(rtkit.Names):
         self._client: rtkit.Client | None = None
         self._links: dict[str, ServiceLink] = {}
         self._wanted: frozenset[str] = frozenset()
-        self._news: deque[str] = deque()
+        self._news: deque[tuple[str, Any]] = deque()
+        self._edits = 0
         self._publish: Any = partial(setattr, self)
         self._edit_lock, self._publish_lock = threading.Lock(), threading.RLock()
         self._changed = threading.Condition(threading.Lock())
@@ -112,6 +115,18 @@ class StateMachine(rtkit.Names):
         value = self._interpreter.variables.get(name.partition(".")[2], "")
         return str if isinstance(value, str) else bool if isinstance(value, bool) else int | float
 
+    def stamp(self, name: str) -> object:
+        """Return what stays equal while a text or a variable does, so that ``if=REVISION`` holds."""
+        head, _, rest = name.partition(".")
+        machine = self._interpreter.machine
+        if head == "variables":
+            value = self._interpreter.variables.get(rest)
+            return type(value), value
+        if not rest:
+            return machine, self._text
+        inside = tuple(state for path, state in machine.states.items() if is_in(path, rest))
+        return inside, machine.variables
+
     def get(self, name: str, form: Literal["turtle", "xml", "scxml"] = "turtle") -> Any:
         """Return the text of the machine or of a state, or a variable."""
         head, _, rest = name.partition(".")
@@ -130,7 +145,9 @@ class StateMachine(rtkit.Names):
         text = self._text if not rest and self._text else write_machine(machine, rest)
         return text if form == "turtle" else _as_xml(text)
 
-    def set(self, name: str, value: Any, goto: str = "", delete: bool = False) -> None:
+    def set(
+        self, name: str, value: Any, goto: str = "", delete: bool = False, edits: int = -1
+    ) -> None:
         """Edit the machine or a state of it, or set a variable.
 
         Args:
@@ -138,6 +155,7 @@ class StateMachine(rtkit.Names):
             value: Text.
             goto: State to enter where the active one would be gone.
             delete: Take the state off instead.
+            edits: Only if the machine has had so many edits; any number when negative.
         """
         head, _, rest = name.partition(".")
         if head == "variables":
@@ -146,6 +164,9 @@ class StateMachine(rtkit.Names):
             raise rtkit.PropertyError("unknown", f"no such property: {name}")
         else:
             with self._edit_lock:
+                if 0 <= edits != self._edits:  # `if` knows of edits of this name only
+                    why = f"it has been edited since: {self._edits} edits, not {edits}"
+                    raise rtkit.PropertyError("conflict", why)
                 now = self._interpreter.machine  # changed by edits only, so this may take time
                 if delete:
                     machine = now.without(rest).check()
@@ -161,6 +182,8 @@ class StateMachine(rtkit.Names):
         except ValueError as error:
             raise rtkit.PropertyError("conflict", str(error)) from None
         self._text, self._names = text, _names(machine)
+        self._edits += 1
+        self._news.append(("edits", self._edits))
         return sends
 
     def _assign(self, name: str, value: Plain) -> None:
@@ -263,7 +286,7 @@ class StateMachine(rtkit.Names):
         """Have the interpreter do something, send what it wants sent, tell what has changed."""
         with self._changed:
             sends = work(time.monotonic(), *args)
-            self._news.append(self._interpreter.state)
+            self._news.append(("state", self._interpreter.state))
             self._changed.notify()
             full = [each for each in sends if not self._link(each).send(each)]
             self._watch()
@@ -271,9 +294,9 @@ class StateMachine(rtkit.Names):
             self._failed(each.target, "busy: very many SETs wait")
         with self._publish_lock:  # one at a time, so that listeners hear of states in their order
             while self._news:
-                state = self._news.popleft()
-                if state != self.state:
-                    self._publish("state", state)
+                name, value = self._news.popleft()
+                if value != getattr(self, name):
+                    self._publish(name, value)
 
     def _link(self, send: OutgoingSet) -> ServiceLink:
         is_own = send.target.startswith("variables.")
