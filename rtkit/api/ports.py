@@ -347,6 +347,6 @@ def call(tree: Tree, typed: str, arguments: Sequence[Any], timeout_s: float) -> 
 
 def _text(value: Any) -> str:
     """Return a value as the text that is typed for it; a text is it already."""
-    from rtkit.probe.value_text import plain
+    from rtkit.component.value_text import plain
 
     return value if isinstance(value, str) else json.dumps(plain(value))

@@ -26,11 +26,11 @@ from rtkit.component.type_layout import (
     zero,
 )
 from rtkit.component.typenames import is_standard, type_by_name, type_name
+from rtkit.component.value_text import plain
 from rtkit.errors import Malformed, NotFound, RtkitError
 from rtkit.idl.model import EnumDeclaration, InterfaceDeclaration, StructDeclaration
 from rtkit.idl.read import read_idl
 from rtkit.probe.defined import UNFIT, class_in
-from rtkit.probe.value_text import plain
 from rtkit.rtc.data_types import is_same_type, scoped_name
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.nearest import did_you_mean

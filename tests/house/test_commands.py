@@ -339,7 +339,8 @@ FOR_WHO_MAKES_COMPONENTS = (
 )
 VISIT = f"""
 import queue, sys, threading
-import rtkit.cli.data.rtprint, rtkit.cli.data.printing, rtkit.probe.fields, rtkit.probe.value_text
+import rtkit.cli.data.rtprint, rtkit.cli.data.printing
+import rtkit.component.fields, rtkit.component.value_text
 import rtkit.container.attached_process
 from rtkit.component import TimedLong
 from rtkit.link.streams import Streams

@@ -26,11 +26,11 @@ from rtkit.component.types import (
     WChar,
     WString,
 )
+from rtkit.component.value_text import plain
 from rtkit.container.port_wiring import PortWiring
 from rtkit.errors import Malformed
 from rtkit.link.streams import Streams
 from rtkit.probe.defined import class_of
-from rtkit.probe.value_text import plain
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 Mode = Enum("Mode", "IDLE DRIVING")

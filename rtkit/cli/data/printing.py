@@ -116,7 +116,7 @@ class Plotter(Sink):
 
     def take(self, piece: Sequence[Arrival]) -> None:
         """See `Sink.take`."""
-        from rtkit.probe.fields import numbers
+        from rtkit.component.fields import numbers
 
         super().take(piece)
         for arrival in piece:
@@ -154,7 +154,7 @@ def _painted(text: str, curve: int) -> str:
 
 
 def _readers(fields: tuple[str, ...]) -> dict[str, Callable[[Any], Any]]:
-    from rtkit.probe.value_text import field_reader
+    from rtkit.component.value_text import field_reader
 
     return {text: field_reader(text) for text in fields} or {"": lambda value: value}
 
@@ -162,8 +162,8 @@ def _readers(fields: tuple[str, ...]) -> dict[str, Callable[[Any], Any]]:
 def _numbers(cls: type, fields: tuple[str, ...]) -> Mapping[str, Callable[[bytes], float]]:
     """Return a function that extracts the numbers in these fields from a value in CDR."""
     from rtkit.component.codec import codec_for
+    from rtkit.component.value_text import field_reader
     from rtkit.errors import Malformed
-    from rtkit.probe.value_text import field_reader
 
     decode = codec_for(cls).decode
 
@@ -213,7 +213,7 @@ def _text_line(decode: Callable[[bytes], Any], show: Callable[[Any], str], label
 
 def json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str, ...]) -> Line:
     """Return a function that formats an arrival as a record."""
-    from rtkit.probe.value_text import field_reader, plain
+    from rtkit.component.value_text import field_reader, plain
 
     readers = {text: field_reader(text) for text in fields}
     ports, clock = [str(end.path) for end in stream.ends], stream.clock._asdict()
@@ -235,8 +235,8 @@ def json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str,
 
 
 def _shower(stream: Stream, options: PrintOptions) -> Callable[[Any], str]:
+    from rtkit.component.value_text import text_of
     from rtkit.probe.formatters import formatter
-    from rtkit.probe.value_text import text_of
 
     if stream.formatter:
         form = formatter(stream.formatter)

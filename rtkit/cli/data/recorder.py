@@ -241,7 +241,7 @@ class _TextSink:
         self._decode[channel.name] = codec_for(cls).decode
 
     def write(self, entry: RecordedValue) -> None:
-        from rtkit.probe.value_text import plain
+        from rtkit.component.value_text import plain
         from rtkit.recording.text_log import line_of
 
         value = plain(self._decode[entry.channel](entry.payload))

@@ -15,11 +15,11 @@ from rtkit.component.codec import codec_for
 from rtkit.component.definition import definition_of, docs_of, idl_of, name_of
 from rtkit.component.geometry import TimedPoint2D
 from rtkit.component.port import InPort, OutPort
+from rtkit.component.value_text import plain
 from rtkit.errors import Malformed, NotFound
 from rtkit.idl.read import read_idl
 from rtkit.probe.defined import class_of, is_same_definition
 from rtkit.probe.known_types import data_type
-from rtkit.probe.value_text import plain
 
 Mode = Enum("Mode", "IDLE DRIVING")
 

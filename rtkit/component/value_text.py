@@ -7,9 +7,9 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Any
 
+from rtkit.component.fields import steps_of
 from rtkit.component.types import Time
 from rtkit.errors import NotFound
-from rtkit.probe.fields import steps_of
 
 _MOST_BYTES = 32
 _MOST_ITEMS = 16

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from rtkit.component import Time, TimedBoolean, TimedLong, TimedLongSeq, TimedString
+from rtkit.component.fields import check_field, numbers
 from rtkit.component.geometry import TimedPose2D
 from rtkit.errors import Malformed, NotFound
-from rtkit.probe.fields import check_field, numbers
 
 
 @pytest.mark.parametrize(
