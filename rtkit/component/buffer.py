@@ -55,6 +55,11 @@ class Ring(Generic[T]):
     def __len__(self) -> int:
         return len(self._items)
 
+    @property
+    def length(self) -> int:
+        """Return the number of values that fit."""
+        return self._items.maxlen or 0
+
     def take(self) -> T | None:
         """Remove and return the oldest value, None when empty."""
         try:
@@ -78,6 +83,7 @@ class AwaitedRing(Generic[T]):
     after it has queued its wakeup, so it misses none.
 
     Attributes:
+        length: The number of values that fit.
         lost: Values that were dropped.
     """
 
@@ -86,6 +92,7 @@ class AwaitedRing(Generic[T]):
         self._wakeups: deque[Lock] = deque()
         self._timeout_s = options.read_timeout
         self._is_closed = False
+        self.length = options.length
         self.lost = 0
 
     def __len__(self) -> int:
@@ -144,6 +151,7 @@ class GuardedRing(Generic[T]):
     """A ring buffer that may refuse values, or make writer or reader wait.
 
     Attributes:
+        length: The number of values that fit.
         lost: Values that were dropped or refused.
     """
 
@@ -152,6 +160,7 @@ class GuardedRing(Generic[T]):
         self._items: deque[T] = deque()
         self._changed = Condition()
         self._is_closed = False
+        self.length = options.length
         self.lost = 0
 
     def __len__(self) -> int:

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from threading import Lock
-from typing import TYPE_CHECKING, Generic, TypeVar, cast
+from typing import TYPE_CHECKING, TypeVar, cast
 
 from rtkit.component.buffer import AnyRing, Buffer, Pulled, Sink, Source, make_ring
 from rtkit.component.definition import definition_of
 from rtkit.component.options import ConnectorOptions, EmptyPolicy, PortStatus, parse_options
+from rtkit.component.port_watch import Watchable
 from rtkit.component.typenames import type_name
 from rtkit.errors import Malformed, Refused
 from rtkit.rtc.enums import PortType
@@ -82,7 +83,7 @@ class Port:
         self._connectors = tuple(each for each in self._connectors if each != connector_id)
 
 
-class DataPort(Port, Generic[T]):
+class DataPort(Port, Watchable[T]):
     """A port that carries values of one type."""
 
     def __init__(
@@ -138,10 +139,10 @@ class InPort(DataPort[T]):
     def _begin(self) -> None:
         self._buffers: tuple[Buffer[T], ...] = ()
         self._left: tuple[Buffer[T], ...] = ()
-        self._policies: dict[str, tuple[Buffer[T], EmptyPolicy]] = {}
+        self._policies: dict[str, tuple[AnyRing[T] | Pulled[T], EmptyPolicy]] = {}
         self._waits = False
         self._reads_back = True
-        self._renewals: dict[str, tuple[Sink[T], Renew[T]]] = {}
+        self._renewals: dict[str, tuple[AnyRing[T], Renew[T]]] = {}
         self._listener: Listener | None = None
         self._turn = 0
         self._last: T | None = None
@@ -211,15 +212,15 @@ class InPort(DataPort[T]):
         self._add(connector.connector_id, ring, options.empty_policy)
         with self._lock:
             if renew is not None:
-                self._renewals[connector.connector_id] = (ring.write, renew)
-            return self._with_listener(ring.write)
+                self._renewals[connector.connector_id] = (ring, renew)
+            return self._sink_of(connector.connector_id, ring)
 
     def renew(self, connector_id: str) -> None:
         """Pass the sink to use from now on to the opener of the connector."""
         with self._lock:
             if connector_id in self._renewals:
-                write, renew = self._renewals[connector_id]
-                renew(self._with_listener(write))
+                ring, renew = self._renewals[connector_id]
+                renew(self._sink_of(connector_id, ring))
 
     def listen(self, listener: Listener | None) -> None:
         """Have `listener` called after each value that is pushed in, by the thread that brings it.
@@ -230,8 +231,20 @@ class InPort(DataPort[T]):
             if listener == self._listener:
                 return
             self._listener = listener
-            for write, renew in self._renewals.values():
-                renew(self._with_listener(write))
+            self._rewire()
+
+    def fills(self) -> dict[str, tuple[int, int, int]]:
+        """Return by connector how many values wait, how many fit, how many were dropped.
+
+        A buffer that overwrites its oldest value counts these only while the port is watched.
+        """
+        dropped = self._watch.dropped if self._watch is not None else {}
+        rings = ((id, ring) for id, (ring, _) in list(self._policies.items()))
+        return {
+            id: (len(ring), ring.length, getattr(ring, "lost", dropped.get(id, 0)))
+            for id, ring in rings
+            if not isinstance(ring, Pulled)
+        }
 
     def open_pull(self, connector: ConnectorProfile, source: Source[T]) -> None:
         """Open a pull connector: reading asks `source`.
@@ -265,7 +278,7 @@ class InPort(DataPort[T]):
                     self._left = (*self._left, buffer)
             self._refresh()
 
-    def _add(self, connector_id: str, buffer: Buffer[T], policy: EmptyPolicy) -> None:
+    def _add(self, connector_id: str, buffer: AnyRing[T] | Pulled[T], policy: EmptyPolicy) -> None:
         with self._lock:
             self._admit(connector_id)
             self._policies[connector_id] = (buffer, policy)
@@ -295,6 +308,15 @@ class InPort(DataPort[T]):
             if value is not None:
                 return value
         return None
+
+    def _rewire(self) -> None:
+        for connector_id, (ring, renew) in self._renewals.items():
+            renew(self._sink_of(connector_id, ring))
+
+    def _sink_of(self, connector_id: str, ring: AnyRing[T]) -> Sink[T]:
+        watch = self._watch
+        write = ring.write if watch is None else watch.noting(connector_id, ring)
+        return self._with_listener(write)
 
     def _with_listener(self, write: Sink[T]) -> Sink[T]:
         """Return a sink that calls the listener, if there is one, after each value."""
@@ -363,6 +385,9 @@ class OutPort(DataPort[T]):
             self._find_way()
         return self._way[0](value)
 
+    def _rewire(self) -> None:
+        self._find_way()
+
     def _find_way(self) -> None:
         """Arrange one test a value: here, or in the encoders where all sinks encode at once.
 
@@ -372,7 +397,10 @@ class OutPort(DataPort[T]):
 
         test = test_of(self.data_type)
         is_encoded = bool(self._by_id) and self._encoding.issuperset(self._by_id)
-        self._way = (self._is_ours if is_encoded else test, tuple(self._by_id.values()))
+        sinks = tuple(self._by_id.values())
+        if self._watch is not None:
+            sinks = (*sinks, self._watch.note)
+        self._way = (self._is_ours if is_encoded else test, sinks)
 
     def _is_ours(self, value: T) -> bool:
         return value.__class__ is self.data_type or isinstance(value, self.data_type)

@@ -27,6 +27,7 @@ from rtkit.container.facts import DatedFacts
 from rtkit.container.neighbours import Neighbours
 from rtkit.container.operations import LATER, Operations, in_time
 from rtkit.container.pacer import Pacer, StartDriver, Work
+from rtkit.container.port_samples import sampling
 from rtkit.container.port_wiring import PortWiring
 from rtkit.container.user_requests import UserRequests
 from rtkit.deployment.message import NEW, Message
@@ -102,6 +103,7 @@ class ComponentContainer:
             **self._connectors.operations,
             **StateMachines(self).operations,
             **Neighbours(self).operations,
+            **sampling(self._components, send),
         }
 
     def show_heartbeats(self, heartbeats: Heartbeats) -> None:

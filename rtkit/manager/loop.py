@@ -22,6 +22,7 @@ from rtkit.container.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.message import Message
 from rtkit.deployment.metrics import METRICS
+from rtkit.deployment.port_samples import SAMPLES
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import replace
 from rtkit.link import places, zenoh_keys
@@ -32,11 +33,13 @@ from rtkit.manager.core.core import Core
 from rtkit.manager.core.event_ring import CORE, EventRing
 from rtkit.manager.core.requests import NOBODY, PendingRequests
 from rtkit.manager.device_watch import DeviceWatch
+from rtkit.manager.duty import Duty
 from rtkit.manager.fault_guard import FaultGuard, header, select_but, text_of
 from rtkit.manager.following.following import Following
 from rtkit.manager.host_link_processes import HostLinkProcesses
 from rtkit.manager.limits.usage import usage
 from rtkit.manager.peers.peers import Peers
+from rtkit.manager.port_sampler import PortSampler
 from rtkit.manager.predecessor.descendants import Descendants
 from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.manager.service_notifier import ServiceNotifier
@@ -60,20 +63,6 @@ _BREATH_S = 0.01
 """How long the loop rests when it cannot wait for anything [s]."""
 _AFTER_FAULT_S = 1.0
 """How long after a fault of the core it goes on with what it has left [s]."""
-
-
-class _Duty(NamedTuple):
-    """Work that is done when its time has come, or that looks itself in each turn of the loop."""
-
-    name: str
-    due_at: Callable[[], float | None]
-    work: Callable[[], object]
-    is_each_turn: bool = False
-
-    def is_due(self, now: float) -> bool:
-        """Return whether it is to be done at monotonic time `now` [s]."""
-        moment = self.due_at()
-        return self.is_each_turn or (moment is not None and now >= moment)
 
 
 class _Failed(NamedTuple):
@@ -134,6 +123,8 @@ class Loop:
         self._limiter: Limiter | None = None  # made for the first slave with limits
         self.peers = Peers(core.state, self.post, self.requests.add, self.note_fault)
         self._stacks = open_stacks(slave_supervisor.data_pattern, core.state.pid)
+        self._sampler = PortSampler(core.state, self._send)
+        self.query_server.sample = self._sampler.ask
         self._tidy_at = 0.0
         self._announce: dict[str, Callable[[str], object]] = {}
         self._is_finished = self._is_closed = False
@@ -186,7 +177,7 @@ class Loop:
             for duty in self._duties:
                 self._guard.run(duty.name, self._do, duty)
 
-    def _do(self, duty: _Duty) -> None:
+    def _do(self, duty: Duty) -> None:
         if not self._guard.is_paused(duty.name) and duty.is_due(time.monotonic()):
             fault.point(f"duty.{duty.name}")
             duty.work()
@@ -220,19 +211,20 @@ class Loop:
         for descriptor in (self._wake_read, self.wake_descriptor, self._stacks):
             os.close(descriptor)
 
-    def _all_duties(self) -> tuple[_Duty, ...]:
+    def _all_duties(self) -> tuple[Duty, ...]:
         """Return what is to be done at certain times; a new duty belongs here, and is guarded."""
         supervisor, lines, state = self._slave_supervisor, self.connections, self._core.state
         return (
-            _Duty("settling", lambda: lines.deadline, lines.check_settled, is_each_turn=True),
-            _Duty("timer", lambda: self._wake_at, self._tick),
-            _Duty("zygote", lambda: supervisor.start_at, lines.restart_zygote),
-            _Duty("callbacks", self._look_at, self._look),
-            _Duty("limits", self._next_look_at_limits, self._look_at_limits),
-            _Duty("devices", lambda: self._devices.look_at, self._devices.look),
-            _Duty("tidying", lambda: self._tidy_at if state.components else None, self._tidy),
-            _Duty("sweeping", lambda: supervisor.sweep_at, supervisor.sweep),
-            _Duty("heartbeat", lambda: self.notifier.due_at, lambda: self.notifier.beat()),
+            Duty("settling", lambda: lines.deadline, lines.check_settled, is_each_turn=True),
+            Duty("timer", lambda: self._wake_at, self._tick),
+            Duty("zygote", lambda: supervisor.start_at, lines.restart_zygote),
+            Duty("callbacks", self._look_at, self._look),
+            Duty("limits", self._next_look_at_limits, self._look_at_limits),
+            Duty("samples", self._sampler.due_at, self._sampler.give_up),
+            Duty("devices", lambda: self._devices.look_at, self._devices.look),
+            Duty("tidying", lambda: self._tidy_at if state.components else None, self._tidy),
+            Duty("sweeping", lambda: supervisor.sweep_at, supervisor.sweep),
+            Duty("heartbeat", lambda: self.notifier.due_at, lambda: self.notifier.beat()),
         )
 
     def _wait_s(self) -> float | None:
@@ -341,6 +333,9 @@ class Loop:
                 self._handle(event)
 
     def _handle(self, event: ev.Event) -> None:
+        if isinstance(event, ev.ContainerReported) and SAMPLES in event.message:
+            self._sampler.take(event.key, event.message)
+            return
         if isinstance(event, ev.SlaveEnded):
             event = self._with_exit_diagnostics(event)
         elif isinstance(event, ev.SlaveExitedUnseen):
@@ -444,6 +439,12 @@ class Loop:
     def _listened(self, line: str, has_listeners: bool) -> None:
         self.post(ev.ListenersChanged(line, has_listeners))
 
+    def _send(self, key: int, message: Message) -> None:
+        if key == ev.OWN_PROCESS:
+            self._container.put(message)
+        else:
+            self.connections.send(key, message)
+
     def _publish(self, line: str, message: Message) -> None:
         whole = {**message, "time": time.time()}
         if line == METRICS:
@@ -461,10 +462,7 @@ class Loop:
         match instruction:
             case ev.SendToContainer(key, message):
                 fault.point("manager.sending")
-                if key == ev.OWN_PROCESS:
-                    self._container.put(message)
-                else:
-                    self.connections.send(key, message)
+                self._send(key, message)
             case ev.AnswerClient(request, reply):
                 fault.point("manager.answering")
                 self.requests.answer(request, reply)

@@ -19,6 +19,7 @@ from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.listing import listing_of, listing_to_text
 from rtkit.deployment.part import part_of
 from rtkit.deployment.plan_lock import PlanLock
+from rtkit.deployment.port_samples import SAMPLES
 from rtkit.errors import Malformed, NotFound, Refused, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.link import zenoh_keys
@@ -57,6 +58,7 @@ class ManagerQueryServer:
         dump: Captures the last events, and returns what makes the text of them, on any thread.
         events: Captures the last events that may be about one component.
         logs: Reads the logs for other hosts.
+        sample: Receives questions what ports carry.
     """
 
     def __init__(self, state: ManagerState, requests: PendingRequests) -> None:
@@ -66,6 +68,7 @@ class ManagerQueryServer:
         self.dump: Callable[[], Callable[[], str]] = lambda: lambda: ""
         self.events: Callable[[str], Callable[[], Iterable[TimedItem]]] = lambda _name: tuple
         self.logs = LogServer(state.name)
+        self.sample: Callable[[Request], object] = lambda _request: None
         self._state = state
         self._requests = requests
         self._views: dict[str, str] = {}
@@ -122,6 +125,8 @@ class ManagerQueryServer:
             self._look_at_host(request, request.payload)
         elif name == "logs" and request.payload is not None:
             _aside(request, partial(self.logs.answer, request.payload))
+        elif name == SAMPLES and request.payload is not None:
+            self.sample(request)
         elif name == "clock":
             request.answer(Reply(repr(time())))
         elif name == "dump":

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.delta import FullSnapshot
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.listing import Listing
+    from rtkit.deployment.port_samples import PortName, Sample
     from rtkit.link.devices import HostFacts
     from rtkit.link.transport import Link
     from rtkit.rtc.names import Path
@@ -186,6 +187,19 @@ class Tree(ByPath, Closing):
             ]
         except (TypeError, ValueError) as error:
             raise Malformed(f"the manager's answer cannot be read: {error}") from error
+
+    def port_samples(self, ports: Sequence[PortName]) -> dict[PortName, Sample]:
+        """Return what some ports carry, by instance and port; see `rtkit.deployment.port_samples`.
+
+        Last values are known from the first time on that they are asked for, for some seconds.
+
+        Raises:
+            Unreachable: The manager does not answer in time.
+            NotFound: It is of a version that cannot report it.
+        """
+        from rtkit.deployment.port_samples import SAMPLES, ports_to_text, samples_from_text
+
+        return samples_from_text(self.view(SAMPLES, ports_to_text(ports)))
 
     def lacking(self, makings: Sequence[tuple[str, str]]) -> list[str]:
         """Return for each pair of a module and a create string why nothing can be made of it.

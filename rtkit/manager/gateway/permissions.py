@@ -26,7 +26,7 @@ _OF_OPERATORS = (
     act.SetParameters, act.SetRate, act.Tick,
 )  # fmt: skip
 _VIEWS = ("listing", "snapshot", "part", "picture", "events", "lease", "line", "clock")
-_QUESTIONS = ("logs",)
+_QUESTIONS = ("logs", "samples")
 """Views of which the payload says what is wanted."""
 RESTART = "@/restart"
 ROUTER = "@x/router"

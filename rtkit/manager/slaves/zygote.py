@@ -41,7 +41,8 @@ _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
 AHEAD = (
     "rtkit.component.collisions", "rtkit.component.composite", "rtkit.component.fsm",
     "rtkit.component.timed", "rtkit.deployment.listing", "rtkit.link.running",
-    "rtkit.container.metrics", "rtkit.settings.values",
+    "rtkit.container.metrics", "rtkit.component.fields", "rtkit.component.value_text",
+    "rtkit.settings.values",
 )  # fmt: skip
 """Lazy imports of a container, which attached processes need not have: loaded before any fork,
 so that slaves share it."""
