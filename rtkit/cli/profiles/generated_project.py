@@ -1,4 +1,4 @@
-"""Reads and writes the files of a component on disk: sources of a build and its results."""
+"""Reads profiles and IDL files, and generates the files of their project."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.builder.component_files import (
     PROFILE,
-    PYPROJECT,
     Built,
     File,
     build,
@@ -16,8 +15,7 @@ from rtkit.builder.component_files import (
     project_files,
 )
 from rtkit.builder.identifiers import module_name, type_name
-from rtkit.builder.merge import Merged, MergeOutcome, merge
-from rtkit.builder.packaging import ENTRY_POINTS, entries, with_entries
+from rtkit.builder.packaging import entries
 from rtkit.builder.prepare import Sources, idl_files, is_declared, undefined
 from rtkit.builder.regions import stamp_of
 from rtkit.builder.standard_types import IMAGES, KNOWN, expression
@@ -45,6 +43,7 @@ class Project:
 
     Attributes:
         files: By path.
+        idl_folders: Where else IDL files were looked for.
         notes: Notes that the user should read.
         remarks: Notes that are shown on request.
         other: Type of the component to which the folder belongs, if that is another one.
@@ -53,33 +52,14 @@ class Project:
 
     folder: str
     files: dict[str, File]
+    idl_folders: Sequence[str] = ()
     notes: list[str] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
     other: str = ""
     entries: Mapping[str, str] = field(default_factory=dict)
 
 
-class FileChange(NamedTuple):
-    """The change of one file."""
-
-    path: str
-    merged: Merged
-
-    @property
-    def is_conflict(self) -> bool:
-        """Return whether it cannot be written without losing something."""
-        return self.merged.assignment is MergeOutcome.CONFLICT
-
-    def assignment_when(self, *, is_forced: bool) -> str:
-        """Return the assignment of the file in a word."""
-        is_written = is_forced and self.merged.assignment in (
-            MergeOutcome.CONFLICT,
-            MergeOutcome.KEEP,
-        )
-        return (MergeOutcome.WRITE if is_written else self.merged.assignment).value
-
-
-class _Idl:
+class IdlFiles:
     """Finds IDL files and remembers which were read."""
 
     def __init__(self, folders: Iterable[str]) -> None:
@@ -160,23 +140,24 @@ def read(
         Refused: The files are not of one project, or it has none of what is asked for.
     """
     folder = _beside(typed[0]) if output is None else output
+    folders = tuple(folders)
     are_idl = [each for each in typed if each.lower().endswith(".idl")]
     if are_idl:
         if len(typed) > 1:
             raise Refused(f"{are_idl[0]}: an IDL file is generated alone")
-        return _types_alone(typed[0], folder, _Idl(_places(typed[0], folders)))
+        return _types_alone(typed[0], folder, IdlFiles(_places(_beside(typed[0]), folders)))
     if has_mirror and len(typed) > 1:
         raise Refused("--mirror is for one component")
-    given = {each.type_name: each for each in (_member(t, folders, has_mirror) for t in typed)}
+    own = (_member(t, folders, has_mirror, folder) for t in typed)
+    given = {each.type_name: each for each in own}
     if len(given) < len(typed):
         raise Refused(f"{typed[-1]}: another file given describes the same component type")
-    profiles = {} if is_forced and not adds else _present(folder)
-    project = Project(folder, {})
+    profiles = {} if is_forced and not adds else present_profiles(folder)
+    project = Project(folder, {}, folders)
     present = os.path.join(folder, PROFILE)
     strange = [name for name in profiles if name not in given]
     if os.path.isfile(present) and not is_forced and not any(map(profiles.get, given)):
-        own = next(iter(given))
-        project.other = next(iter(strange), "") or _other_type(present, own)
+        project.other = next(iter(strange), "") or _other_type(present, next(iter(given)))
         if adds and project.other and project.other not in profiles:
             raise Refused(
                 f"{present}: {project.other} is not generated there yet: rtbuild it first"
@@ -208,17 +189,21 @@ def _beside(typed: str) -> str:
     return os.path.dirname(typed) if typed != STDIN else ""
 
 
-def _places(typed: str, folders: Sequence[str]) -> list[str]:
+def _places(beside: str, folders: Sequence[str]) -> list[str]:
     """Return where IDL files are looked for: in installed packages, too, but there last."""
-    beside, root = _beside(typed), os.environ.get(_ROOT, "")
+    root = os.environ.get(_ROOT, "")
     places = [beside or ".", os.path.join(beside, _IDL), *folders]
     packages = (os.path.dirname(each.file) for each in installed().values())
     known = dict.fromkeys(os.path.join(each, _IDL) for each in packages)
     return [*places, root and os.path.join(root, "rtm", "idl"), *filter(os.path.isdir, known)]
 
 
-def _member(typed: str, folders: Sequence[str], has_mirror: bool = False) -> _Member:
-    idl = _Idl(_places(typed, folders))
+def _member(
+    typed: str, folders: Sequence[str], has_mirror: bool = False, folder: str = ""
+) -> _Member:
+    """Read a profile, that of stdin as if it lay in `folder`, and generate its component."""
+    beside = folder if typed == STDIN else _beside(typed)
+    idl = IdlFiles(_places(beside, folders))
     name, data = read_input(typed)
     reading = read_rtc(data, name)
     named = [path for name in idl_files(reading.profile) if (path := _path(idl, name))]
@@ -228,7 +213,7 @@ def _member(typed: str, folders: Sequence[str], has_mirror: bool = False) -> _Me
         definitions = _definitions([*named, *more], idl)
     names = tuple(os.path.basename(path) for path in idl.read)
     stem = os.path.basename(typed).partition(".")[0] if typed != STDIN else "Component"
-    found = Sources(stem, definitions, _drawn(reading.profile, _beside(typed)))
+    found = Sources(stem, definitions, _drawn(reading.profile, beside))
     built = build(reading.profile, found, names, has_mirror=has_mirror)
     remarks = [f"{typed}:{note.line}: {note.text}" for note in reading.notes]
     return _Member(typed, built, idl.read, more, remarks)
@@ -251,7 +236,7 @@ def _take(project: Project, member: _Member, profile: str) -> None:
     project.remarks += member.remarks
 
 
-def _present(folder: str) -> dict[str, str]:
+def present_profiles(folder: str) -> dict[str, str]:
     """Return the profiles of the components that were generated in a folder, by type name."""
     try:
         names = sorted(name for name in os.listdir(folder or ".") if name.endswith(".xml"))
@@ -285,7 +270,7 @@ def _described(file: str) -> str:
     return info.name if info is not None else ""
 
 
-def _types_alone(typed: str, folder: str, idl: _Idl) -> Project:
+def _types_alone(typed: str, folder: str, idl: IdlFiles) -> Project:
     text = idl.text(typed)
     name = os.path.basename(typed)
     definitions = read_idl(text, typed, idl.find, KNOWN)
@@ -295,7 +280,7 @@ def _types_alone(typed: str, folder: str, idl: _Idl) -> Project:
         notes.append(f"{typed}: {_built_in(stock)}; there is nothing to generate")
     elif not built:
         raise Refused(f"{typed}: nothing in it can be carried{_listed(notes)}")
-    return Project(folder, built, notes)
+    return Project(folder, built, notes=notes)
 
 
 def _built_in(paths: Sequence[Path]) -> str:
@@ -309,13 +294,13 @@ def _listed(notes: Sequence[str]) -> str:
     return f": {'; '.join(notes)}" if notes else ""
 
 
-def _definitions(paths: Iterable[str], idl: _Idl) -> Definitions:
+def _definitions(paths: Iterable[str], idl: IdlFiles) -> Definitions:
     """Return the declarations of all IDL files together."""
     text = "".join(f'#include "{path}"\n' for path in dict.fromkeys(paths))
     return read_idl(text, "", lambda name, file: _included(idl, name, file), KNOWN)
 
 
-def _defining(types: Sequence[str], idl: _Idl) -> list[str]:
+def _defining(types: Sequence[str], idl: IdlFiles) -> list[str]:
     """Return the files, of those that no profile names, that declare these types.
 
     Real profiles often leave open where the types of their data ports are. A file that cannot be
@@ -324,7 +309,7 @@ def _defining(types: Sequence[str], idl: _Idl) -> list[str]:
     found = []
     wanted = set(types)
     for path in idl.others() if types else ():
-        tried = _Idl(idl.folders)
+        tried = IdlFiles(idl.folders)
         try:
             declared = _definitions([path], tried)
         except (InvalidDocument, NotFound):
@@ -336,12 +321,12 @@ def _defining(types: Sequence[str], idl: _Idl) -> list[str]:
     return found
 
 
-def _path(idl: _Idl, name: str) -> str:
+def _path(idl: IdlFiles, name: str) -> str:
     found = idl.find(name)
     return found[0] if found else ""
 
 
-def _included(idl: _Idl, name: str, file: str) -> tuple[str, str] | None:
+def _included(idl: IdlFiles, name: str, file: str) -> tuple[str, str] | None:
     return (name, idl.text(name)) if not file else idl.find(name, file)
 
 
@@ -359,123 +344,3 @@ def _drawn(profile: RtcProfile, beside: str) -> Mapping[str, Mapping[str, str]] 
 
 def _is_same(one: str, other: str) -> bool:
     return one != STDIN and os.path.exists(other) and os.path.samefile(one, other)
-
-
-def compare(project: Project) -> list[FileChange]:
-    """Return the change of each file.
-
-    Raises:
-        NotFound: A file that is there cannot be read.
-    """
-    changes = []
-    for name, file in project.files.items():
-        path = os.path.join(project.folder, *name.split("/"))
-        merged = _merged(path, file)
-        if name == PYPROJECT and merged.assignment is MergeOutcome.KEEP:
-            merged = _entered(project, path, merged)
-        changes.append(FileChange(path, merged))
-    return changes
-
-
-def _entered(project: Project, path: str, merged: Merged) -> Merged:
-    """Return the ``pyproject.toml`` of users with components that it does not name yet."""
-    old = read_bytes(path).decode("utf-8", "replace")
-    text = with_entries(old, project.entries)
-    if not text:
-        lines = "; ".join(project.entries.values())
-        project.notes.append(f'{path}: yours; [project.entry-points."{ENTRY_POINTS}"]: {lines}')
-    if text in ("", old):
-        return merged
-    return Merged(MergeOutcome.WRITE, text, "what is yours is kept")
-
-
-def _merged(path: str, file: File) -> Merged:
-    if not os.path.lexists(path):
-        return merge(None, file.text, has_regions=file.has_regions)
-    try:
-        old = read_bytes(path).decode("utf-8").replace("\r\n", "\n")
-    except UnicodeDecodeError:
-        why = "it is not of UTF-8"
-        return Merged(
-            MergeOutcome.CONFLICT if file.has_regions else MergeOutcome.KEEP, file.text, why, 1
-        )
-    return merge(old, file.text, has_regions=file.has_regions)
-
-
-def write(changes: Sequence[FileChange], *, is_forced: bool) -> None:
-    """Write all changed files, or none where one cannot be written."""
-    wanted = [
-        each
-        for each in changes
-        if each.assignment_when(is_forced=is_forced) == MergeOutcome.WRITE.value
-    ]
-    staged: list[tuple[str, str]] = []
-    try:
-        for each in wanted:
-            os.makedirs(os.path.dirname(each.path) or ".", exist_ok=True)
-            staged.append((_stage(each.path, each.merged.text), each.path))
-        for each in wanted:
-            if each.merged.assignment is not MergeOutcome.WRITE:
-                _keep(each.path)
-        while staged:
-            os.replace(*staged[0])
-            staged.pop(0)
-    finally:
-        for temporary, _ in staged:
-            os.unlink(temporary)
-
-
-def _stage(path: str, text: str) -> str:
-    """Write the text beside its place, with the mode that the file is to have."""
-    temporary = f"{path}.{os.getpid()}.new"
-    if os.path.isdir(path):
-        raise NotFound(f"{path} is a folder")
-    descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
-    with open(descriptor, "w", encoding="utf-8", newline="\n") as stream:
-        stream.write(text)
-    if os.path.exists(path):
-        os.chmod(temporary, os.stat(path).st_mode & 0o777)
-    return temporary
-
-
-def _keep(path: str) -> None:
-    for name in _backups(path):
-        try:
-            os.link(path, name)
-        except FileExistsError:
-            continue
-        return
-
-
-def _backups(path: str) -> Iterator[str]:
-    yield f"{path}.bak"
-    number = 1
-    while True:
-        number += 1
-        yield f"{path}.bak{number}"
-
-
-def renew_types(idl: str) -> list[str]:
-    """Make anew the types that were made of an IDL file; return what was written.
-
-    They lie beside it, or above its folder ``idl``. If RTC profiles are there, they are theirs.
-
-    Raises:
-        InvalidDocument: The file is no IDL; tells the line.
-        Refused: A file that is there was changed by hand.
-    """
-    folder = os.path.dirname(idl)
-    home = os.path.dirname(folder) if os.path.basename(folder) == "idl" else folder
-    read_idl(read_bytes(idl).decode("utf-8", "replace"), idl, _Idl([folder]).find, KNOWN)
-    project = read([*_present(home).values()] or [idl], home, [folder])
-    changes = [
-        each
-        for each in compare(project)
-        if each.path.endswith("_idl.py") and os.path.isfile(each.path)
-    ]
-    for each in changes:
-        if each.is_conflict:
-            raise Refused(f"{each.path}:{each.merged.line}: {each.merged.why}")
-    write(changes, is_forced=False)
-    wanted = MergeOutcome.WRITE.value
-    return [each.path for each in changes if each.assignment_when(is_forced=False) == wanted]

@@ -14,7 +14,8 @@ from rtkit.cli.shared.options import arguments, flag, json_flag, option, several
 from rtkit.errors import Malformed, Refused
 
 if TYPE_CHECKING:
-    from rtkit.cli.profiles.generated_project import FileChange
+    from rtkit.cli.profiles.generated_project import Project
+    from rtkit.cli.profiles.project_changes import FileChange
 
 _SHOWN = ("written", "kept")
 
@@ -28,9 +29,10 @@ _SHOWN = ("written", "kept")
         ("rtbuild Arm.xml Hand.xml -o arms", "Two components in one package."),
         ("rtbuild Wrist.xml -o arms --add", "One more component for it."),
         ("rtbuild --dry-run RTC.xml", "What would be written."),
+        ("rtbuild --diff RTC.xml", "And how each file would change."),
         ("rtbuild MyService.idl -o src", "Only the types and protocols of an IDL file."),
     ),
-    json=("built-file",),
+    json=("built-file", "built-difference"),
 )
 def main(
     app: App,
@@ -44,6 +46,14 @@ def main(
     force: bool = flag(
         "-f --force", "Write also what was changed; what was there is kept as NAME.bak."
     ),
+    kept: tuple[str, ...] = several("--keep FILE", "Leave this file of the project as it is."),
+    replaced: tuple[str, ...] = several(
+        "--replace FILE", "Write this one as with --force, and no other that was changed."
+    ),
+    joined: tuple[str, ...] = several(
+        "--merge FILE", "Merge what you changed in this one with what is new; keep NAME.bak."
+    ),
+    is_diff: bool = flag("--diff", "Show what would change in each file, write nothing."),
     is_json: bool = json_flag("A JSON object for each file."),
     files: tuple[str, ...] = arguments("PROFILE...|IDL"),
 ) -> None:
@@ -62,6 +72,8 @@ def main(
 
     Generating again keeps the code between "user code" marks, and whole files that are not code
     once they were changed. Changed code outside of the marks is a conflict: nothing is written.
+    --merge brings both changes together, line by line, where the profile in the folder is still
+    the one of which the file was generated: give the new profile as another file, or by stdin (-).
 
     A mirror (--mirror) is a component with each port reversed, mirror/NAMEMirror.py; rtresurrect
     mirror.xml, with a manager that was started in the folder of the project, connects both. It
@@ -70,7 +82,7 @@ def main(
     IDL files are looked for where the profile says, beside it, in its folder idl, in the folders
     of -I, below $RTM_ROOT and in the installed packages of components.
     """
-    from rtkit.cli.profiles import generated_project
+    from rtkit.cli.profiles import generated_project, project_changes
 
     if not files:
         raise Malformed("One RTC profile or IDL file has to be given.")
@@ -82,19 +94,58 @@ def main(
             f"{project.folder or '.'} is the folder of component {project.other}:"
             " -o DIR gives this one its own, --add puts it beside that one"
         )
-    changes = generated_project.compare(project)
+    changes = project_changes.compare(project)
+    if is_diff or joined:
+        changes = project_changes.with_three_way(project, changes)
+    chosen = ((kept, project_changes.KEEP), (replaced, project_changes.REPLACE),
+              (joined, project_changes.MERGE))  # fmt: skip
+    choices = {name: choice for names, choice in chosen for name in names}
+    changes = project_changes.decided(project, changes, choices)
     for note in project.remarks:
         app.verbose(note)
     for note in project.notes:
         app.report(f"note: {note}")
+    if is_diff:
+        _show(project, changes, is_json=is_json, is_forced=force)
+        return
     conflicts = [each for each in changes if each.is_conflict]
     if conflicts and not force:
         for each in conflicts:
             app.fail(f"{each.path}:{each.merged.line}: {each.merged.why}")
-        raise Refused("nothing was written; --force writes, and keeps these as NAME.bak")
+        raise Refused(
+            "nothing was written; --force writes, and keeps these as NAME.bak;"
+            " --keep, --replace and --merge FILE decide for one"
+        )
     if not dry_run:
-        generated_project.write(changes, is_forced=force)
+        project_changes.write(changes, is_forced=force)
     _print(app, changes, is_json=is_json, is_forced=force)
+
+
+def _show(
+    project: Project, changes: Sequence[FileChange], *, is_json: bool, is_forced: bool
+) -> None:
+    """Show how each file would change; one that was changed, too, would be as it is written."""
+    if is_json:
+        terminal.write(json_records.lines("built-difference", (
+            {
+                "path": each.path,
+                "name": name,
+                "fate": each.assignment_when(is_forced=is_forced),
+                "why": each.merged.why or None,
+                "line": each.merged.line,
+                "before": each.old,
+                "after": each.text,
+                "merged": each.three_way or None,
+            }
+            for name, each in zip(project.files, changes, strict=True)
+        )))  # fmt: skip
+        return
+    from difflib import unified_diff
+
+    for each in changes:
+        before = (each.old or "").splitlines()
+        lines = unified_diff(before, each.text.splitlines(), each.path, each.path, lineterm="")
+        terminal.write(map(terminal.printable, lines))
 
 
 def _print(app: App, changes: Sequence[FileChange], *, is_json: bool, is_forced: bool) -> None:

@@ -157,7 +157,7 @@ class _Development:
             raise InvalidDocument(found[-1])
         for file in present:
             if file.endswith(".idl"):
-                from rtkit.cli.profiles.generated_project import renew_types
+                from rtkit.cli.profiles.project_changes import renew_types
 
                 for path in renew_types(file):
                     self._report("written", f"written: {os.path.relpath(path)}", [path])

@@ -88,7 +88,7 @@ def main(
 
 def _write(name: str, vendor: str, folder: str) -> list[str]:
     """Write the project into a new folder; return its files."""
-    from rtkit.cli.profiles import generated_project
+    from rtkit.cli.profiles import generated_project, project_changes
     from rtkit.profile.write import write_profile
     from rtkit.profile_tools import new_component as new
 
@@ -102,8 +102,8 @@ def _write(name: str, vendor: str, folder: str) -> list[str]:
     with open(path, "wb") as file:
         file.write(write_profile(profile))
     project = generated_project.read([path], None, [])
-    changes = generated_project.compare(project)
-    generated_project.write(changes, is_forced=False)
+    changes = project_changes.compare(project)
+    project_changes.write(changes, is_forced=False)
     files = [os.path.relpath(each.path, folder) for each in changes]
     for each in files:
         if each.endswith(".py"):

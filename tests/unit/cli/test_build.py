@@ -12,7 +12,7 @@ from typing import Any
 import jsonrecords
 import pytest
 
-from rtkit.cli.profiles import generated_project
+from rtkit.cli.profiles import generated_project, project_changes
 from rtkit.errors import InvalidDocument
 
 IDL = Path(__file__).parents[2] / "idl"
@@ -129,7 +129,8 @@ def test_changes_to_generated_code_stop_everything(place: Path, run: Run) -> Non
     told = (
         "rtbuild: out/Echo.py:24: the generated part was changed\n"
         "rtbuild: out/Echo_idl.py:27: the generated part was changed\n"
-        "rtbuild: nothing was written; --force writes, and keeps these as NAME.bak\n"
+        "rtbuild: nothing was written; --force writes, and keeps these as NAME.bak;"
+        " --keep, --replace and --merge FILE decide for one\n"
     )
     assert run("rtbuild echo.xml -o out") == (1, "", told)
     assert run("rtbuild --dry-run echo.xml -o out") == (1, "", told)
@@ -481,15 +482,15 @@ def test_a_machine_drawn_beside_the_profile_is_taken(place: Path, run: Run) -> N
 def test_types_of_an_idl_file_are_made_anew_where_they_were_made(place: Path) -> None:
     idl = place / "Robot.idl"
     idl.write_text("struct Wheel { double speed; };")
-    assert generated_project.renew_types(str(idl)) == []  # nobody has made any
+    assert project_changes.renew_types(str(idl)) == []  # nobody has made any
     project = generated_project.read([str(idl)], None, [])
-    generated_project.write(generated_project.compare(project), is_forced=False)
+    project_changes.write(project_changes.compare(project), is_forced=False)
     idl.write_text("struct Wheel { double speed; long ticks; };")
-    assert generated_project.renew_types(str(idl)) == [str(place / "Robot_idl.py")]
+    assert project_changes.renew_types(str(idl)) == [str(place / "Robot_idl.py")]
     assert "ticks: rt.Long" in (place / "Robot_idl.py").read_text()
     idl.write_text("struct Wheel {\n  double\n};")
     with pytest.raises(InvalidDocument, match=r"Robot\.idl:3"):
-        generated_project.renew_types(str(idl))
+        project_changes.renew_types(str(idl))
 
 
 def test_types_of_all_components_of_a_project_are_made_anew(place: Path, run: Run) -> None:
@@ -499,5 +500,5 @@ def test_types_of_all_components_of_a_project_are_made_anew(place: Path, run: Ru
     idl = place / "out" / "idl" / "MyService.idl"
     edit(idl, "in string msg", "in long msg")
     made = [str(place / "out" / f"{name}_idl.py") for name in ("Echo", "Again")]
-    assert generated_project.renew_types(str(idl)) == made
-    assert generated_project.renew_types(str(idl)) == []
+    assert project_changes.renew_types(str(idl)) == made
+    assert project_changes.renew_types(str(idl)) == []

@@ -63,6 +63,7 @@ ELSEWHERE = {
     "bug-run": "unit/bug/test_records.py",
     "bug-word": "unit/bug/test_rtbug.py",
     "built-file": "unit/cli/test_build.py",
+    "built-difference": "unit/cli/test_build_choices.py",
     "development": "system/test_rtdev.py",
     "diagnosis": "unit/cli/test_doctor.py",
     "deviation": "unit/cli/test_system.py",
