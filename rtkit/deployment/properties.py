@@ -148,9 +148,29 @@ def _contexts(facts: ComponentFacts) -> list[Shown]:
             Shown(f"{path}.state", Word(context.state.name), _read_only("word")),
             Shown(f"{path}.is_running", context.is_running, _read_only("boolean")),
             _text(f"{path}.owner", context.owner),
+            _participants(f"{path}.participants", facts, context),
             Shown(f"{path}.tick", "", _TICK, _tick(facts, context)),
         ]
     return shown
+
+
+def _participants(name: str, facts: ComponentFacts, context: ExecutionContextProfile) -> Shown:
+    """Return the components that a context drives besides its owner, who may change them."""
+    value = tuple(_name(each) for each in context.participants)
+    if context.owner != facts.instance:
+        return Shown(name, value, _read_only("list"))
+
+    def change(asked: Content) -> Sequence[Action]:
+        wanted = dict.fromkeys(map(str, asked)) if isinstance(asked, tuple) else {}
+        present = context.participants
+        here = facts.instance, context.id
+        return (
+            *(_actions().Detach(*here, each) for each in present if each not in wanted),
+            *(_actions().Attach(*here, each) for each in wanted if each not in present),
+        )
+
+    doc = "Components of the same process that it drives besides its owner"
+    return Shown(name, value, PropertySpec(parse_type("list"), doc=doc), change)
 
 
 _MOST_CYCLES = 1000

@@ -104,13 +104,21 @@ class SystemFeed:
                 each for event in events for each in self._happened(observers, event)
             ]
             has_metrics = any(isinstance(each.event, Metrics) for each in events)
-            if self._due is None and not all(isinstance(each.event, Metrics) for each in events):
+            has_news = not all(isinstance(each.event, Metrics) for each in events)
+            if self._due is None and (has_news or self._is_old(observers)):
                 self._due = self._free_at
             if self._due is not None and monotonic() >= self._due:
                 self._look(observers)
                 self._publish_all(None)
             if has_metrics:
                 self._publish_all(self._rates())
+
+    def _is_old(self, observers: Observers) -> bool:
+        """Return whether a manager has told what is no event, as whom a context drives."""
+        return any(
+            name in self._known and self._known[name].facts is not subscription.facts
+            for name, subscription in observers.subscriptions.items()
+        )
 
     def _happened(self, observers: Observers, observed: ObservedEvent) -> Iterator[Record]:
         """Yield the records of an event; note what it says of the manager itself."""

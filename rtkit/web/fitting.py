@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
+from collections.abc import Iterable, Sequence
 
 from rtkit.component.port_matching import refusal
 from rtkit.errors import NotFound
@@ -35,21 +35,23 @@ def fitting(port: str, managers: Iterable[KnownManager], hostname: str) -> list[
     ]
 
 
-def offers_of(rows: Iterable[Record], loaded: Container[str]) -> Record:
-    """Return the types that can be created and the modules that can be loaded.
+def offers_of(rows: Iterable[Record], loaded: Sequence[Record]) -> Record:
+    """Return the types that can be created, and the modules that can be loaded and forgotten.
 
     Args:
         rows: What ``rtmgr --json -m`` tells.
-        loaded: Files of modules that are loaded already.
+        loaded: Modules that are loaded already, as ``rtcat --json`` has them.
     """
+    modules_in = [{"path": each["path"], "init": each["init"]} for each in loaded]
+    files = frozenset(each["file"] for each in loaded)
     types, modules = [], {}
     for each in rows:
         id, module, problem = each["type"] or "", each["module"] or "", each["problem"] or ""
         if id:
             types.append({"name": id.split(":")[3], "id": id, "module": module})
-        if module and module not in loaded:
+        if module and module not in files:
             modules[module] = {"path": module, "problem": problem}
-    return {"types": types, "modules": list(modules.values())}
+    return {"types": types, "modules": list(modules.values()), "loaded": modules_in}
 
 
 def _why(one: PortProfile, other: PortProfile) -> str:

@@ -113,9 +113,11 @@ def _add_manager(found: SystemRecords, manager: KnownManager, hostname: str) -> 
             "process": processes.get(each.process, manager.id),
             "composite": ids.get(each.composite, ""),
             "members": [ids[name] for name in each.members if name in ids],
+            "is_composite": bool(each.composite_type),
         }
         for context in record["contexts"]:
             context["owner"] = ids.get(context["owner"], context["owner"])
+            context["participants"] = [ids.get(name, name) for name in context["participants"]]
         found.components[ids[each.instance]] = record
 
 
@@ -154,14 +156,13 @@ def _component(facts: ComponentFacts, row: ListingRow, *, is_reached: bool) -> R
                 "is_running": each.is_running,
                 "state": str(each.state),
                 "owner": each.owner,
+                "participants": list(each.participants),
             }
             for each in facts.contexts
         ],
         "ports": [_port(each) for each in facts.ports],
         "active_set": facts.active_set,
-        "sets": {
-            name: dict(values) for name, values in facts.sets.items() if not name.startswith("__")
-        },
+        "sets": {name: dict(values) for name, values in facts.sets.items()},
         "widgets": dict(hidden[WIDGET_SET]),
         "constraints": dict(hidden[CONSTRAINT_SET]),
         "properties": dict(facts.properties),

@@ -12,8 +12,8 @@ from collections.abc import Container, Sequence
 from typing import NamedTuple
 
 from rtkit.errors import Refused, Unreachable
-from rtkit.web.actions import CommandStep
 from rtkit.web.records import Record
+from rtkit.web.steps import CommandStep
 
 _MAIN = "import sys; sys.argv[0] = 'rtkit'; from rtkit.cli import main; sys.exit(main())"
 _BOUND_S = 60.0

@@ -11,13 +11,14 @@ from starlette.routing import Route
 
 from rtkit.drawing.export import FORMS, exported
 from rtkit.errors import Malformed, NotFound
-from rtkit.web.actions import Action, CommandStep, steps_of
+from rtkit.web.actions import steps_of
 from rtkit.web.arrange import arranged, scene_of
 from rtkit.web.fitting import fitting, offers_of
 from rtkit.web.records import Record
 from rtkit.web.replies import body_of
 from rtkit.web.running import carried_out, records_from, shown
 from rtkit.web.site import WebSite
+from rtkit.web.steps import Action, CommandStep
 
 _TYPES = {"svg": "image/svg+xml"}
 
@@ -75,7 +76,7 @@ class _SystemRoom:
             records_from(("rtmgr", "--json", "-m", "--", id)),
             records_from(("rtcat", "--json", "--", id)),
         )
-        return JSONResponse(offers_of(rows, [each["file"] for each in manager["modules"]]))
+        return JSONResponse(offers_of(rows, manager["modules"]))
 
     async def export(self, request: Request) -> Response:
         form = request.query_params.get("form", "svg")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.deployment.actions import ActivateSet, ChangeState, SetParameters, SetRate, Tick
+from rtkit.deployment.actions import ActivateSet, Attach, ChangeState, SetParameters, SetRate, Tick
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.deployment.properties import Shown, of_component, of_manager
@@ -78,6 +78,8 @@ def test_what_is_set_becomes_an_action() -> None:
     )
     assert asked("active_set", Word("careful")) == (ActivateSet("M0", "careful"),)
     assert asked("contexts.0.rate", 5) == (SetRate("M0", "0", 5.0),)
+    guests = asked("contexts.0.participants", (Word("A0"), "B"))
+    assert guests == (Attach("M0", "0", "A0"), Attach("M0", "0", "B"))
     assert asked("contexts.0.tick", 2) == (Tick("M0", "0"),) * 2
     with pytest.raises(PropertyError, match="cycles are 1 to 1000, not 0"):
         asked("contexts.0.tick", 0)

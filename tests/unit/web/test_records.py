@@ -31,7 +31,7 @@ def test_a_look_is_what_is_so(changed: dict[str, object], look: str, word: str) 
     record = records.components["/localhost/A.rtc"]
     assert (record["look"], record["word"]) == (look, word)
     assert (record["widgets"], record["constraints"]) == ({"a": "spin"}, {"a": "x<2"})
-    assert record["sets"] == {"default": {"a": "1"}}
+    assert record["sets"]["default"] == {"a": "1"}
 
 
 def test_what_a_silent_manager_held_is_unreachable() -> None:
