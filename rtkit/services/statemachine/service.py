@@ -116,7 +116,7 @@ class StateMachine(rtkit.Names):
         return str if isinstance(value, str) else bool if isinstance(value, bool) else int | float
 
     def stamp(self, name: str) -> object:
-        """Return what stays equal while a text or a variable does, so that ``if=REVISION`` holds."""
+        """Return what stays equal while a text or variable does, so that ``if=REVISION`` holds."""
         head, _, rest = name.partition(".")
         machine = self._interpreter.machine
         if head == "variables":
