@@ -2,125 +2,228 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Collection, Iterator, Mapping
+from typing import NamedTuple
 
 from rtkit.api import looking
+from rtkit.api.live_records import KnownManager, Record, SystemRecords, records_of
 from rtkit.api.rates import RateRow, measured
 from rtkit.api.session import Session
-from rtkit.drawing.scene import Box, Frame, Scene, Wire, WireEnd
+from rtkit.drawing.scene import (
+    DATA,
+    IN,
+    LEFT,
+    OUT,
+    RIGHT,
+    SERVICE,
+    Box,
+    Frame,
+    PortPin,
+    Scene,
+    Wire,
+    WireEnd,
+)
+from rtkit.drawing.sides import with_sides
 from rtkit.errors import Unreachable
+from rtkit.link.places import host_name, usual_manager
+from rtkit.rtc.names import LOCAL
 from rtkit.tree.connect import connect
 from rtkit.tree.place import others
 
-if TYPE_CHECKING:
-    from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+_KINDS = {"in": IN, "out": OUT, "service": SERVICE}
+_FILLS = {
+    "active": "palegreen", "inactive": "lightblue", "error": "tomato", "zombie": "lightgrey",
+    "restarting": "lightgrey", "unreachable": "lightgrey",
+}  # fmt: skip
+_DEAD = ("zombie", "restarting", "unreachable", "stuck")
+_NOTHING: Mapping[str, str] = {}
 
-_FILLS = {"Active": "palegreen", "Inactive": "lightblue", "Error": "tomato", "zombie": "lightgrey"}
-_Rates = Mapping[str, RateRow]
+
+class LiveDrawing(NamedTuple):
+    """A scene, with the id and the kind of each of its boxes; wires have their id as a tip."""
+
+    scene: Scene
+    ids: list[str]
+    kinds: list[str]
 
 
-def live_scene(session: Session, title: str, *, has_rates: bool = False) -> Scene:
+def live_scene(session: Session, *, has_rates: bool = False) -> Scene:
     """Return the scene of the live components of the manager, and of the others of this host.
 
     Args:
         session: It finds the managers.
-        title: Names the scene.
         has_rates: Measure rates, which takes a second.
 
     Raises:
         Unreachable: A manager does not answer.
     """
-    snapshots = [looking.snapshot(session)]
+    own = looking.snapshot(session)
+    managers = [KnownManager(own.manager, LOCAL, own.manager == usual_manager(), own)]
     rates = [measured(session.tree) if has_rates else {}]
     for name in others(session.tree) if session.finds_managers else ():
         try:
             with connect(name, session.timeout_s) as tree:
-                snapshots.append(tree.snapshot())
+                facts = tree.snapshot()
+                managers.append(KnownManager(facts.manager, LOCAL, is_usual=False, facts=facts))
                 rates.append(measured(tree) if has_rates else {})
         except Unreachable:
             if ":" not in name:  # a permanent server that is silent is reported by the command
                 raise
-    is_framed = len(snapshots) > 1
-    pairs = zip(snapshots, rates, strict=True)
-    return _joined([_of_manager(one, title, rate, is_framed=is_framed) for one, rate in pairs])
+    records = records_of(managers, host_name())
+    known = zip(managers, rates, strict=True)
+    rows = {
+        each.path(c, host_name()): rows[c.instance]
+        for each, rows in known
+        for c in each.facts.components
+        if c.instance in rows
+    }
+    notes = {id: _note(each, rows.get(id)) for id, each in records.components.items()}
+    labels = {id: _rate(each["source"], rows) for id, each in records.connectors.items()}
+    return drawing_of(records, notes=notes, labels=labels).scene
 
 
-def _of_manager(snapshot: Snapshot, title: str, rates: _Rates, *, is_framed: bool) -> Scene:
-    from rtkit.deployment.capture import SystemHeading, capture
-    from rtkit.fast_dataclass import replace
-    from rtkit.profile_tools.system_scene import system_scene
-
-    # A saved system has no zombies; a drawing shows them.
-    shown = tuple(replace(each, zombie="") for each in snapshot.components)
-    heading = SystemHeading("1970-01-01T00:00:00", title, "0", "rtkit", "")
-    scene = system_scene(capture(replace(snapshot, components=shown), heading, takes_all=True))
-    facts = {each.instance: each for each in snapshot.components}
-    names = [box.title for box in scene.boxes]
-    boxes = [_box(box, facts[box.title], rates.get(box.title)) for box in scene.boxes]
-    wires = tuple(wire._replace(label=_rate_of(wire, boxes, rates)) for wire in scene.wires)
-    held: dict[str, list[int]] = {}
-    for index, name in enumerate(names):
-        held.setdefault(facts[name].process, []).append(index)
-    processes = [each for each in snapshot.processes if each.name in held]
-    frames = list(scene.frames)
-    if len(processes) > 1:
-        # The frame of a manager says already where components in its own process are.
-        for process in (each for each in processes if each.pid != snapshot.pid or not is_framed):
-            frames.append(Frame(len(boxes), tuple(held[process.name])))
-            boxes.append(_process_box(process))
-    if is_framed:
-        frames.append(Frame(len(boxes), tuple(range(len(boxes)))))
-        boxes.append(Box(snapshot.manager, f"manager, pid {snapshot.pid}", is_group=True))
-    return Scene(tuple(boxes), wires, tuple(frames))
+def _note(component: Record, row: RateRow | None) -> str:
+    trouble = component["remark"] if component["look"] == "stuck" else ""
+    return " · ".join(filter(None, (_hertz(row.reached_hz if row else None), trouble)))
 
 
-def _box(box: Box, facts: ComponentFacts, rate: RateRow | None) -> Box:
-    state = "zombie" if facts.zombie else facts.state
-    parts = [box.subtitle, state, _hertz(rate.reached_hz if rate else None)]
-    why = f"zombie ({facts.zombie})" if facts.zombie else facts.trouble or facts.cause
-    return box._replace(
-        subtitle=" · ".join(filter(None, (*parts, facts.trouble))),
-        tip="\n".join(filter(None, (box.tip, facts.process, why))),
-        fill=_FILLS.get(state, ""),
-        is_dashed=bool(facts.zombie or facts.trouble),
-    )
-
-
-def _process_box(process: ProcessFacts) -> Box:
-    what = (
-        "slave" if process.is_slave else "process" if process.is_guest else "manager's own process"
-    )
-    parts = () if process.state == "up" else (process.state, process.reason)
-    state = ": ".join(filter(None, parts))
-    subtitle = " · ".join(filter(None, (what, f"pid {process.pid}" * bool(process.pid), state)))
-    return Box(process.name, subtitle, is_dashed=bool(state), is_group=True)
-
-
-def _rate_of(wire: Wire, boxes: Sequence[Box], rates: _Rates) -> str:
+def _rate(source: Record, rows: Mapping[str, RateRow]) -> str:
     """Return how often values come out of the port at which a wire begins."""
-    box = boxes[wire.source.box]
-    row = rates.get(box.title)
-    return _hertz((row.written_hz or {}).get(box.ports[wire.source.port].name)) if row else ""
+    row = rows.get(source["component"])
+    return _hertz((row.written_hz or {}).get(source["port"])) if row else ""
 
 
 def _hertz(rate: float | None) -> str:
     return "" if rate is None else f"{float(f'{rate:.3g}'):g} Hz"
 
 
-def _joined(scenes: Sequence[Scene]) -> Scene:
-    """Return several scenes as one."""
-    boxes: list[Box] = []
+def drawing_of(
+    records: SystemRecords,
+    folded: Collection[str] = (),
+    *,
+    notes: Mapping[str, str] = _NOTHING,
+    labels: Mapping[str, str] = _NOTHING,
+) -> LiveDrawing:
+    """Return what lives as a drawing; a frame that is folded is drawn without what is in it.
+
+    Args:
+        records: What lives.
+        folded: Ids of frames.
+        notes: Texts for the boxes of components, by their ids.
+        labels: Texts beside wires, by the ids of connectors.
+    """
+    parents = _parents(records)
+    hidden = {id for id in parents if _folded_above(id, parents, folded) != id}
+    shown = [id for id in (*records.components, *_groups(records, parents)) if id not in hidden]
+    places = {id: place for place, id in enumerate(shown)}
+    ports: dict[tuple[str, str], int] = {}
+    boxes, kinds = [], []
+    for id in shown:
+        kind, box = _box(id, records, notes.get(id, ""))
+        if id in folded and kind != "composite":
+            box = box._replace(is_group=False)
+        boxes.append(box)
+        kinds.append(kind)
+        ports |= {(id, pin.name): number for number, pin in enumerate(box.ports)}
+
+    def end_of(end: Record, side: str) -> WireEnd | None:
+        """Return where a connector ends: at its port, or at the folded frame around that."""
+        owner = _folded_above(end["component"], parents, folded)
+        if owner not in places:
+            return None
+        name = end["port"]
+        if owner != end["component"]:  # a composite may show that port
+            name = f"{records.components[end['component']]['name']}.{name}"
+            if (owner, name) not in ports:
+                name = side
+        if (owner, name) not in ports:
+            box = boxes[places[owner]]
+            ports[owner, name] = len(box.ports)
+            pin = PortPin("", side, OUT if side == RIGHT else IN)
+            boxes[places[owner]] = box._replace(ports=(*box.ports, pin))
+        return WireEnd(places[owner], ports[owner, name])
+
     wires: list[Wire] = []
-    frames: list[Frame] = []
-    for scene in scenes:
-        base = len(boxes)
-        boxes += scene.boxes
-        frames += [
-            Frame(frame.box + base, tuple(member + base for member in frame.members))
-            for frame in scene.frames
-        ]
-        for wire in scene.wires:
-            source, target = (WireEnd(e.box + base, e.port) for e in (wire.source, wire.target))
-            wires.append(wire._replace(source=source, target=target))
-    return Scene(tuple(boxes), tuple(wires), tuple(frames))
+    for connector in records.connectors.values():
+        source, target = end_of(connector["source"], RIGHT), end_of(connector["target"], LEFT)
+        if source is not None and target is not None and source.box != target.box:
+            is_service = boxes[source.box].ports[source.port].kind == SERVICE
+            id = connector["id"]
+            kind = SERVICE if is_service else DATA
+            wires.append(Wire(source, target, kind, id, labels.get(id, "")))
+    held: dict[str, list[int]] = {}
+    for id in shown:
+        if parents.get(id) in places:
+            held.setdefault(parents[id], []).append(places[id])
+    frames = [Frame(places[id], tuple(members)) for id, members in held.items() if id not in folded]
+    scene = with_sides(Scene(tuple(boxes), tuple(wires), tuple(frames)))
+    return LiveDrawing(scene, shown, kinds)
+
+
+def _parents(records: SystemRecords) -> dict[str, str]:
+    """Return the frame of each component and process: composite, process where several, manager."""
+    holding: dict[str, set[str]] = {}
+    for component in records.components.values():
+        holding.setdefault(component["manager"], set()).add(component["process"])
+    parents = {}
+    for id, component in records.components.items():
+        manager, process = component["manager"], component["process"]
+        frame = process if len(holding[manager]) > 1 else manager
+        parents[id] = component["composite"] or frame
+        if frame == process != manager:
+            parents[process] = manager
+    return parents
+
+
+def _groups(records: SystemRecords, parents: Mapping[str, str]) -> Iterator[str]:
+    used = set(parents.values())
+    for id in (*records.processes, *records.managers):
+        if id in used:
+            used.discard(id)
+            yield id
+
+
+def _folded_above(id: str, parents: Mapping[str, str], folded: Collection[str]) -> str:
+    """Return the outermost folded frame that something is in, or itself."""
+    outermost, seen = id, {id}
+    above = parents.get(id)
+    while above is not None and above not in seen:
+        seen.add(above)
+        if above in folded:
+            outermost = above
+        above = parents.get(above)
+    return outermost
+
+
+def _box(id: str, records: SystemRecords, note: str) -> tuple[str, Box]:
+    component = records.components.get(id)
+    if component is not None:
+        return _component_box(component, note)
+    if id in records.managers:
+        manager = records.managers[id]
+        return "manager", Box(manager["name"], f"manager, pid {manager['pid']}", is_group=True)
+    process = records.processes[id]
+    state = "" if process["state"] == "up" else process["state"]
+    parts = ("slave" if process["is_slave"] else "process", f"pid {process['pid']}",
+             ": ".join(filter(None, (state, process["why"]))))  # fmt: skip
+    subtitle = " · ".join(filter(None, parts))
+    return "process", Box(process["name"], subtitle, is_dashed=bool(state), is_group=True)
+
+
+def _component_box(component: Record, note: str) -> tuple[str, Box]:
+    pins = tuple(
+        PortPin(port["name"], LEFT if port["direction"] == "in" else RIGHT,
+                _KINDS[port["direction"]], f"{port['name']} {port['type']}".strip())
+        for port in component["ports"]
+    )  # fmt: skip
+    subtitle = " · ".join(filter(None, (component["type"], component["word"], note)))
+    look = component["look"]
+    box = Box(
+        component["name"],
+        subtitle,
+        pins,
+        "\n".join(filter(None, (component["id"], component["remark"]))),
+        is_dashed=look in _DEAD,
+        fill=_FILLS.get(look, ""),
+    )
+    return "composite" if component["members"] else "component", box

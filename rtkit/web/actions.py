@@ -10,10 +10,10 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from uuid import uuid4
 
+from rtkit.api.live_records import SystemRecords
 from rtkit.errors import Malformed, Refused
 from rtkit.web import composite_steps, configuration_steps, context_steps, manager_steps
 from rtkit.web.folders import granted
-from rtkit.web.records import SystemRecords
 from rtkit.web.steps import (
     Action,
     CommandStep,

@@ -6,54 +6,33 @@ what is in it; wires of that end at the frame.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Collection, Mapping
+from typing import NamedTuple
 
+from rtkit.api.live_records import Record, SystemRecords
+from rtkit.api.live_scene import LiveDrawing, drawing_of
 from rtkit.drawing.frames import framed
 from rtkit.drawing.layout import laid_out
 from rtkit.drawing.scene import (
-    DATA,
-    IN,
     LEFT,
-    OUT,
-    RIGHT,
-    SERVICE,
     Box,
-    Frame,
     Layout,
     Point,
-    PortPin,
     Scene,
     Size,
-    Wire,
     WireEnd,
     box_size,
     inside_offset,
     port_offsets,
 )
-from rtkit.web.records import Record, SystemRecords
 
-_KINDS = {"in": IN, "out": OUT, "service": SERVICE}
-_FILLS = {
-    "active": "palegreen", "inactive": "lightblue", "error": "tomato", "zombie": "lightgrey",
-    "restarting": "lightgrey", "unreachable": "lightgrey",
-}  # fmt: skip
-_DEAD = ("zombie", "restarting", "unreachable", "stuck")
 _TURN = 8
-
-
-class _Drawing(NamedTuple):
-    """A scene, with the id of each of its boxes and wires; wires bear theirs as a tip."""
-
-    scene: Scene
-    ids: list[str]
-    kinds: list[str]
 
 
 class _Found(NamedTuple):
     """A layout on its way; boxes and paths are filled level by level."""
 
-    drawing: _Drawing
+    drawing: LiveDrawing
     folded: Collection[str]
     boxes: dict[str, Record]
     paths: dict[str, list[Point]]
@@ -62,7 +41,7 @@ class _Found(NamedTuple):
 
 def arranged(records: SystemRecords, folded: Collection[str] = ()) -> Record:
     """Return where everything is drawn [pixel]; see ``Layout`` in ``web/src/model/types.ts``."""
-    drawing = _drawing(records, frozenset(folded))
+    drawing = drawing_of(records, folded)
     numbered = (box._replace(tip=str(n)) for n, box in enumerate(drawing.scene.boxes))
     whole = framed(drawing.scene._replace(boxes=tuple(numbered)))
     layout = laid_out(whole)
@@ -74,124 +53,6 @@ def arranged(records: SystemRecords, folded: Collection[str] = ()) -> Record:
         "boxes": found.boxes,
         "paths": found.paths,
     }
-
-
-def scene_of(records: SystemRecords) -> Scene:
-    """Return what lives as a scene, for the exporter."""
-    return _drawing(records, frozenset()).scene
-
-
-def _drawing(records: SystemRecords, folded: frozenset[str]) -> _Drawing:
-    parents = _parents(records)
-    hidden = {id for id in parents if _folded_above(id, parents, folded) != id}
-    shown = [id for id in (*records.components, *_groups(records, parents)) if id not in hidden]
-    places = {id: place for place, id in enumerate(shown)}
-    ports: dict[tuple[str, str], int] = {}
-    boxes, kinds = [], []
-    for id in shown:
-        kind, box = _box(id, records)
-        if id in folded and kind != "composite":
-            box = box._replace(is_group=False)
-        boxes.append(box)
-        kinds.append(kind)
-        ports |= {(id, pin.name): number for number, pin in enumerate(box.ports)}
-
-    def end_of(end: Record, side: str) -> WireEnd | None:
-        """Return where a connector ends: at its port, or at the folded frame around that."""
-        owner = _folded_above(end["component"], parents, folded)
-        if owner not in places:
-            return None
-        name = end["port"]
-        if owner != end["component"]:  # a composite may show that port
-            name = f"{records.components[end['component']]['name']}.{name}"
-            if (owner, name) not in ports:
-                name = side
-        if (owner, name) not in ports:
-            box = boxes[places[owner]]
-            ports[owner, name] = len(box.ports)
-            pin = PortPin("", side, OUT if side == RIGHT else IN)
-            boxes[places[owner]] = box._replace(ports=(*box.ports, pin))
-        return WireEnd(places[owner], ports[owner, name])
-
-    wires: list[Wire] = []
-    for connector in records.connectors.values():
-        source, target = end_of(connector["source"], RIGHT), end_of(connector["target"], LEFT)
-        if source is not None and target is not None and source.box != target.box:
-            kind = boxes[source.box].ports[source.port].kind
-            wires.append(
-                Wire(source, target, SERVICE if kind == SERVICE else DATA, connector["id"])
-            )
-    held: dict[str, list[int]] = {}
-    for id in shown:
-        if parents.get(id) in places:
-            held.setdefault(parents[id], []).append(places[id])
-    frames = [Frame(places[id], tuple(members)) for id, members in held.items() if id not in folded]
-    return _Drawing(Scene(tuple(boxes), tuple(wires), tuple(frames)), shown, kinds)
-
-
-def _parents(records: SystemRecords) -> dict[str, str]:
-    """Return the frame of each component and process: composite, process where several, manager."""
-    holding: dict[str, set[str]] = {}
-    for component in records.components.values():
-        holding.setdefault(component["manager"], set()).add(component["process"])
-    parents = {}
-    for id, component in records.components.items():
-        manager, process = component["manager"], component["process"]
-        frame = process if len(holding[manager]) > 1 else manager
-        parents[id] = component["composite"] or frame
-        if frame == process != manager:
-            parents[process] = manager
-    return parents
-
-
-def _groups(records: SystemRecords, parents: Mapping[str, str]) -> Iterator[str]:
-    used = set(parents.values())
-    for id in (*records.processes, *records.managers):
-        if id in used:
-            used.discard(id)
-            yield id
-
-
-def _folded_above(id: str, parents: Mapping[str, str], folded: frozenset[str]) -> str:
-    """Return the outermost folded frame that something is in, or itself."""
-    outermost, seen = id, {id}
-    above = parents.get(id)
-    while above is not None and above not in seen:
-        seen.add(above)
-        if above in folded:
-            outermost = above
-        above = parents.get(above)
-    return outermost
-
-
-def _box(id: str, records: SystemRecords) -> tuple[str, Box]:
-    component = records.components.get(id)
-    if component is not None:
-        return _component_box(component)
-    if id in records.managers:
-        manager = records.managers[id]
-        return "manager", Box(manager["name"], f"manager, pid {manager['pid']}", is_group=True)
-    process = records.processes[id]
-    return "process", Box(process["name"], f"slave, pid {process['pid']}", is_group=True)
-
-
-def _component_box(component: Mapping[str, Any]) -> tuple[str, Box]:
-    pins = tuple(
-        PortPin(port["name"], LEFT if port["direction"] == "in" else RIGHT,
-                _KINDS[port["direction"]], f"{port['name']} {port['type']}".strip())
-        for port in component["ports"]
-    )  # fmt: skip
-    subtitle = " · ".join(filter(None, (component["type"], component["word"])))
-    look = component["look"]
-    box = Box(
-        component["name"],
-        subtitle,
-        pins,
-        "\n".join(filter(None, (component["id"], component["remark"]))),
-        is_dashed=look in _DEAD,
-        fill=_FILLS.get(look, ""),
-    )
-    return "composite" if component["members"] else "component", box
 
 
 def _place(scene: Scene, layout: Layout, corner: Point, parent: str | None, found: _Found) -> None:

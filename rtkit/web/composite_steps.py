@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rtkit.api.live_records import Record, SystemRecords
 from rtkit.errors import NotFound, Refused
-from rtkit.web.records import Record, SystemRecords
 from rtkit.web.steps import (
     Action,
     CommandStep,

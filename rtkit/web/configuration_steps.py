@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from rtkit.api.live_records import Record, SystemRecords
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.web.records import Record, SystemRecords
 from rtkit.web.steps import Action, CommandStep, component_in, text_in, texts_in
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from rtkit.api.live_records import SystemRecords
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.property.writing import write
-from rtkit.web.records import SystemRecords
 from rtkit.web.steps import Action, CommandStep, component_in, context_in, found_in
 
 

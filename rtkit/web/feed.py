@@ -7,6 +7,7 @@ from threading import Thread
 from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
 
+from rtkit.api.live_records import KnownManager, Record, SystemRecords, records_of
 from rtkit.api.observers import ManagerSeen, ObservedEvent, Observers, place_of
 from rtkit.api.rates import Rater
 from rtkit.deployment.delta import TREE
@@ -14,7 +15,6 @@ from rtkit.deployment.metrics import METRICS, Metrics
 from rtkit.link.places import host_name
 from rtkit.link.wakeup import Wakeup
 from rtkit.tree.subscription import SubscriptionEnded
-from rtkit.web.records import KnownManager, Record, SystemRecords, records_of
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from rtkit.api.live_records import KnownManager, Record
 from rtkit.component.port_matching import refusal
 from rtkit.errors import NotFound
 from rtkit.profile_tools.system_summary import short_type
 from rtkit.rtc.profiles import PortProfile
 from rtkit.tree.wiring import DATA_DEFAULTS
-from rtkit.web.records import KnownManager, Record
 
 
 def fitting(port: str, managers: Iterable[KnownManager], hostname: str) -> list[Record]:

@@ -15,9 +15,9 @@ from collections import deque
 from collections.abc import AsyncIterator, Sequence
 from itertools import count
 
+from rtkit.api.live_records import Record
 from rtkit.errors import LimitReached, NotFound
 from rtkit.web.pages import Pages
-from rtkit.web.records import Record
 from rtkit.web.running import message_of, started
 
 JOB = "job"

@@ -8,9 +8,9 @@ from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
+from rtkit.api.live_records import Record
 from rtkit.errors import LimitReached, Malformed, NotFound, Refused, RtkitError
 from rtkit.web.guard import DENIED, Refusal
-from rtkit.web.records import Record
 
 _MOST_BYTES = 4 << 20
 

@@ -11,8 +11,8 @@ from asyncio.subprocess import DEVNULL, PIPE, Process
 from collections.abc import Container, Sequence
 from typing import NamedTuple
 
+from rtkit.api.live_records import Record
 from rtkit.errors import Refused, Unreachable
-from rtkit.web.records import Record
 from rtkit.web.steps import CommandStep
 
 _MAIN = "import sys; sys.argv[0] = 'rtkit'; from rtkit.cli import main; sys.exit(main())"

@@ -6,17 +6,17 @@ from collections import deque
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from rtkit.api.live_records import Record, SystemRecords, change_between
 from rtkit.link.places import host_name
 from rtkit.version import __version__
 from rtkit.web.feed import FeedUpdate
 from rtkit.web.jobs import Jobs
 from rtkit.web.pages import Pages
-from rtkit.web.records import Record, SystemRecords, change_between
 from rtkit.web.replies import Denied
 
 if TYPE_CHECKING:
+    from rtkit.api.live_records import KnownManager
     from rtkit.api.session import Session
-    from rtkit.web.records import KnownManager
 
 MOST_PAGES = 64
 _KEPT_EVENTS = 10_000

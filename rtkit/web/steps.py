@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from rtkit.api.live_records import Record, Records, SystemRecords
 from rtkit.errors import Malformed, NotFound
-from rtkit.web.records import Record, Records, SystemRecords
 
 Action = Mapping[str, Any]
 

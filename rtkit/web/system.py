@@ -9,12 +9,13 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 
+from rtkit.api.live_records import Record
+from rtkit.api.live_scene import drawing_of
 from rtkit.drawing.export import FORMS, exported
 from rtkit.errors import Malformed, NotFound
 from rtkit.web.actions import steps_of
-from rtkit.web.arrange import arranged, scene_of
+from rtkit.web.arrange import arranged
 from rtkit.web.fitting import fitting, offers_of
-from rtkit.web.records import Record
 from rtkit.web.replies import body_of
 from rtkit.web.running import carried_out, records_from, shown
 from rtkit.web.site import WebSite
@@ -82,7 +83,7 @@ class _SystemRoom:
         form = request.query_params.get("form", "svg")
         if form not in FORMS:
             raise Malformed(f"form: {', '.join(FORMS)}, not {form!r}")
-        text = exported(scene_of(self._site.records), form, self._site.host)
+        text = exported(drawing_of(self._site.records).scene, form, self._site.host)
         return PlainTextResponse(text, media_type=_TYPES.get(form, "text/plain"))
 
     async def events(self, request: Request) -> Response:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rtkit.api.live_records import KnownManager
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, PortType
 from rtkit.rtc.profiles import (
@@ -12,7 +13,6 @@ from rtkit.rtc.profiles import (
     PortProfile,
     TypeProfile,
 )
-from rtkit.web.records import KnownManager
 
 LONG = {"dataport.data_type": "IDL:RTC/TimedLong:1.0"}
 

@@ -43,7 +43,7 @@ def main(
             raise UsageProblem("--live draws what lives: no file, no form")
         from rtkit.api.live_scene import live_scene
 
-        scene = live_scene(app, _TITLE)
+        scene = live_scene(app)
     else:
         if not files and (sys.stdin is None or sys.stdin.isatty()):
             raise WrongArguments("No file specified; --live draws what lives.")

@@ -7,11 +7,12 @@ from itertools import pairwise
 import pytest
 from webfacts import component, manager
 
+from rtkit.api.live_records import SystemRecords, records_of
+from rtkit.api.live_scene import drawing_of
 from rtkit.deployment.facts import ProcessFacts
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
-from rtkit.web.arrange import arranged, scene_of
-from rtkit.web.records import SystemRecords, records_of
+from rtkit.web.arrange import arranged
 
 MANAGER, SLAVE, COMPOSITE = (
     "/localhost/manager.mgr",
@@ -81,4 +82,4 @@ def test_a_wire_to_what_is_not_there_is_left_out() -> None:
     records = system()
     records.connectors["B"]["target"]["component"] = "/robot9/manager.mgr/X.rtc"
     assert set(arranged(records)["paths"]) == {"C"}
-    assert len(scene_of(records).wires) == 1
+    assert len(drawing_of(records).scene.wires) == 1

@@ -56,7 +56,7 @@ def main(
         if files:
             raise UsageProblem("--live draws what lives: no file")
         heading = "what lives" if title is None else title
-        scene = live_scene(app, heading, has_rates=not without_rates)
+        scene = live_scene(app, has_rates=not without_rates)
         write_output(exported(scene, chosen, heading).encode(), output)
         return app.report_silent_servers("not drawn")
     from rtkit.cli.profiles.document import read_resolved_document

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from webfacts import component, manager
 
+from rtkit.api.live_records import change_between, records_of
 from rtkit.deployment.facts import RestartStatus
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
-from rtkit.web.records import change_between, records_of
 
 
 @pytest.mark.parametrize(
