@@ -138,6 +138,10 @@ def _awaited(arena: Arena, fault: Fault, before: _Before) -> str:
     for wire in WIRES:
         if arena.cells[wire[1]].stream(wire[0]).received == before.streams[wire].received:
             return f"nothing came over {wire_id(*wire)}"
+    # A cell that sends counts its cycle after that: the last cycle may still be on its way.
+    for number in _others(fault):
+        if arena.cells[number].executions <= before.executions[number]:
+            return f"{NAMES[number]} does not go on"
     return ""
 
 
@@ -154,9 +158,6 @@ def _harm(arena: Arena, fault: Fault, before: _Before) -> list[str]:
     for name, pid in before.processes.items():
         if not fault.is_total and name not in ended and slaves.get(name) != pid:
             found.append(f"slave {name} was process {pid} and is {slaves.get(name)}")
-    for number in _others(fault):
-        if arena.cells[number].executions <= before.executions[number]:
-            found.append(f"{NAMES[number]} did not go on")
     for wire in _untouched(fault):
         was, its = before.streams[wire], arena.cells[wire[1]].stream(wire[0])
         if its.missing != was.missing or its.repeated != was.repeated:
