@@ -41,6 +41,7 @@ GROUPS = (
     "planner",
     "vision",
     "secure",
+    "web",
     "table3",
 )
 _BUSY = 0.5

@@ -86,6 +86,11 @@ class Browser:
         """Return what an expression of the page is."""
         return self._do("Runtime.evaluate", expression=expression)["result"].get("value")
 
+    def awaited(self, expression: str) -> Any:
+        """Return what a promise of the page comes to."""
+        done = self._do("Runtime.evaluate", expression=expression, awaitPromise=True)
+        return done["result"].get("value")
+
     def troubles(self) -> list[str]:
         """Return what the policy of the page has stopped, and the errors that nobody has caught."""
         found: list[str] = json.loads(self.evaluate("JSON.stringify(window.troubles)"))
@@ -109,8 +114,7 @@ class Browser:
             }}
             return place;
         }})()"""
-        done = self._do("Runtime.evaluate", expression=look, awaitPromise=True)
-        left, top, width, height = json.loads(done["result"]["value"])
+        left, top, width, height = json.loads(self.awaited(look))
         return left, top, width, height
 
     def mouse(self, kind: str, x: float, y: float) -> None:
@@ -174,8 +178,7 @@ class Browser:
         self.evaluate(axe)
         run = """axe.run({resultTypes: ["violations"]}).then(({violations}) => JSON.stringify(
             violations.flatMap(({id, nodes}) => nodes.map((node) => `${id}: ${node.html}`))))"""
-        done = self._do("Runtime.evaluate", expression=run, awaitPromise=True)
-        return list(json.loads(done["result"]["value"]))
+        return list(json.loads(self.awaited(run)))
 
     def picture(self, path: str, width: int, height: int, *, is_dark: bool = False) -> None:
         """Save a picture of the page as it looks in a window of that size."""
