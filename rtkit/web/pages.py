@@ -10,9 +10,13 @@ import asyncio
 import json
 from collections import deque
 from collections.abc import AsyncIterator, Callable
+from itertools import count
 from typing import Any
 
+from rtkit.errors import NotFound
+
 PICTURE, CHANGE, RATES, NOTICE = "picture", "change", "rates", "notice"
+VALUES = "values"
 _MOST_WAITING = 256
 _ALIVE_S = 4.0
 _ALIVE = b": alive\n\n"
@@ -27,9 +31,15 @@ def encoded(kind: str, data: Any) -> bytes:
 
 
 class PageStream:
-    """One stream to a page."""
+    """One stream to a page.
+
+    Attributes:
+        ports: Paths of ports that the page shows values of.
+    """
 
     def __init__(self) -> None:
+        self.ports: frozenset[str] = frozenset()
+        self._values: dict[str, Any] = {}
         self._waiting: deque[bytes] = deque()
         self._rates = b""
         self._is_behind = False
@@ -51,6 +61,13 @@ class PageStream:
             self._is_behind = True
         self._news.set()
 
+    def put_values(self, values: dict[str, Any]) -> None:
+        """Have values sent of the ports that the page shows; of each port the latest."""
+        shown = {path: values[path] for path in self.ports.intersection(values)}
+        if shown:
+            self._values |= shown
+            self._news.set()
+
     async def next(self) -> bytes:
         """Return what waits, or a sign of life when nothing has come for a while.
 
@@ -62,9 +79,10 @@ class PageStream:
         except TimeoutError:
             return _ALIVE
         self._news.clear()
-        sent = b"".join((*self._waiting, self._rates))
+        values = encoded(VALUES, {"values": self._values}) if self._values else b""
+        sent = b"".join((*self._waiting, self._rates, values))
         self._waiting.clear()
-        self._rates = b""
+        self._rates, self._values = b"", {}
         return sent
 
 
@@ -74,7 +92,8 @@ class Pages:
     def __init__(self, most: int) -> None:
         """Have none; there may be `most` at a time."""
         self.most = most
-        self._open: set[PageStream] = set()
+        self._numbers = count(1)
+        self._open: dict[str, PageStream] = {}
 
     @property
     def is_full(self) -> bool:
@@ -85,17 +104,43 @@ class Pages:
         """Have an event sent to all pages."""
         if self._open:
             event = encoded(kind, data)
-            for page in self._open:
+            for page in self._open.values():
                 page.put(kind, event)
 
-    async def stream(self, picture: Picture) -> AsyncIterator[bytes]:
-        """Yield what is sent to a new page: the whole picture, then what changes."""
+    def watch(self, id: str, ports: frozenset[str]) -> None:
+        """Have a page sent the values of these ports, and of no others.
+
+        Raises:
+            NotFound: No page of that id is open.
+        """
+        if id not in self._open:
+            raise NotFound(f"No such page: {id}")
+        self._open[id].ports = ports
+
+    def watched(self) -> frozenset[str]:
+        """Return all ports that some page shows values of."""
+        return frozenset[str]().union(*(each.ports for each in self._open.values()))
+
+    def send_values(self, values: dict[str, Any]) -> None:
+        """Send values of ports, by path, to the pages that show these."""
+        for page in self._open.values():
+            page.put_values(values)
+
+    async def stream(self, picture: Picture, id: str = "") -> AsyncIterator[bytes]:
+        """Yield what is sent to a new page: the whole picture, then what changes.
+
+        Args:
+            picture: Returns the whole picture.
+            id: Of the page, which it has chosen itself; its next stream has the same.
+        """
         page = PageStream()
-        self._open.add(page)
+        id = id or f"page {next(self._numbers)}"
+        self._open[id] = page
         try:
             yield encoded(PICTURE, picture())
             while True:
                 news = await page.next()
                 yield encoded(PICTURE, picture()) if page.take_behind() else news
         finally:
-            self._open.discard(page)
+            if self._open.get(id) is page:
+                del self._open[id]

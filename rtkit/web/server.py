@@ -98,11 +98,12 @@ class WebServer:
     def _notice(self, text: str) -> None:
         self._site.pages.send(NOTICE, {"level": "warning", "text": text})
 
-    async def _stream(self, _request: Request) -> Response:
+    async def _stream(self, request: Request) -> Response:
         pages = self._site.pages
         if pages.is_full:
             raise LimitReached(f"{pages.most} pages are open already")
-        return Streaming(pages.stream(self._site.picture), media_type="text/event-stream")
+        id = request.query_params.get("page", "")[:64]
+        return Streaming(pages.stream(self._site.picture, id), media_type="text/event-stream")
 
 
 class _Guarded:
