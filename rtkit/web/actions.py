@@ -107,6 +107,16 @@ def _change_state(action: Action, records: SystemRecords) -> CommandStep:
     )
 
 
+def _inject(action: Action, records: SystemRecords) -> CommandStep:
+    path, value = port_in(action, "port", records), text_in(action, "value")
+    component, _, name = path.rpartition(":")
+    ports = {each["name"]: each for each in records.components[component]["ports"]}
+    if ports[name]["direction"] != "in":
+        raise Refused(f"{path} is no in port")
+    line = ("rtinject", f"--const={value}", "--", path)
+    return CommandStep(f"Write {value} to {path}", line, None, "a value has been read by then")
+
+
 _SAVE = "save"
 
 
@@ -145,4 +155,5 @@ _STEPS: Mapping[str, Callable[[Action, SystemRecords], CommandStep]] = {
     "dissolve": composite_steps.dissolve,
     "add_member": composite_steps.add_member,
     "remove_member": composite_steps.remove_member,
+    "inject": _inject,
 }

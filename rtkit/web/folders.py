@@ -29,7 +29,9 @@ def _files(folders: Sequence[str]) -> Iterator[str]:
                     yield path
 
 
-def granted(path: str, folders: Sequence[str], *, is_new: bool = False) -> str:
+def granted(
+    path: str, folders: Sequence[str], *, is_new: bool = False, endings: Sequence[str] = _ENDINGS
+) -> str:
     """Return a path after a look that it is a file in one of the folders, whatever links say.
 
     Each part is opened relative to the folder above it, and no link is followed.
@@ -38,6 +40,7 @@ def granted(path: str, folders: Sequence[str], *, is_new: bool = False) -> str:
         path: As `profiles_in` has it, or of a file that is to be written.
         folders: Those granted, without links.
         is_new: It need not be there.
+        endings: Its name has one of these.
 
     Raises:
         Refused: It is in no folder that is granted, leads through a link, or is no file.
@@ -47,8 +50,8 @@ def granted(path: str, folders: Sequence[str], *, is_new: bool = False) -> str:
     parts = path[len(os.path.join(folder, "")) :].split("/") if folder is not None else []
     if folder is None or any(each in ("", ".", "..") for each in parts):
         raise Refused(f"{path} is in no folder that this page was granted (--root)")
-    if not path.endswith(_ENDINGS):
-        raise Refused(f"{path}: the name is to end in {', '.join(_ENDINGS)}")
+    if not path.endswith(tuple(endings)):
+        raise Refused(f"{path}: the name is to end in {', '.join(endings)}")
     try:
         _look(folder, parts)
     except FileNotFoundError:

@@ -20,7 +20,7 @@ from rtkit.errors import Malformed, RtkitError
 from rtkit.rtc.manager_address import is_address
 from rtkit.rtc.names import LOCAL
 from rtkit.tree.connect import connect
-from rtkit.web.records import KnownManager, Record
+from rtkit.api.live_records import KnownManager, Record
 from rtkit.web.replies import body_of
 from rtkit.web.site import WebSite
 

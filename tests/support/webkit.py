@@ -57,9 +57,10 @@ class WebClient:
         return outcome
 
     @contextmanager
-    def stream(self) -> Iterator[Stream]:
+    def stream(self, page: str = "") -> Iterator[Stream]:
+        """Open the stream of a page that calls itself so."""
         with socket.create_connection(("127.0.0.1", self.port), _BOUND_S) as end:
-            head = f"GET /api/stream HTTP/1.1\r\nHost: 127.0.0.1:{self.port}\r\n"
+            head = f"GET /api/stream?page={page} HTTP/1.1\r\nHost: 127.0.0.1:{self.port}\r\n"
             end.sendall(f"{head}Authorization: Bearer {self.token}\r\n\r\n".encode())
             yield Stream(end)
 

@@ -29,7 +29,7 @@ function serve(isReadOnly = false) {
     },
   };
   vi.stubGlobal('fetch', vi.fn((path: string, init: RequestInit) => {
-    if (path !== '/api/stream') return Promise.resolve(Response.json(answers[path]?.(typeof init.body === 'string' ? init.body : '')));
+    if (!path.startsWith('/api/stream')) return Promise.resolve(Response.json(answers[path]?.(typeof init.body === 'string' ? init.body : '')));
     const text = `event: picture\ndata: ${JSON.stringify(one)}\n\n`;
     return Promise.resolve(new Response(new ReadableStream({ start: (stream) => stream.enqueue(new TextEncoder().encode(text)) })));
   }));

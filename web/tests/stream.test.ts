@@ -23,7 +23,7 @@ function server() {
 function watch(fetcher: typeof fetch) {
   const links: Link[] = [];
   const events: string[] = [];
-  const close = openStream('secret', { onLink: (link) => links.push(link), onEvent: ({ data }) => events.push(data) }, fetcher);
+  const close = openStream('secret', 'mine', { onLink: (link) => links.push(link), onEvent: ({ data }) => events.push(data) }, fetcher);
   return { links, events, close };
 }
 
@@ -34,7 +34,7 @@ describe('the connection', () => {
   it('sends the token in a header, never in the address', async () => {
     const { fetcher } = server();
     const { close } = watch(fetcher);
-    expect(fetcher.mock.calls[0]?.[0]).toBe('/api/stream');
+    expect(fetcher.mock.calls[0]?.[0]).toBe('/api/stream?page=mine');
     expect(fetcher.mock.calls[0]?.[1]?.headers).toMatchObject({ Authorization: 'Bearer secret' });
     await settle();
     close();

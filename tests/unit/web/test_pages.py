@@ -6,6 +6,9 @@ import asyncio
 import json
 from typing import Any
 
+import pytest
+
+from rtkit.errors import NotFound
 from rtkit.web.pages import CHANGE, RATES, Pages
 
 
@@ -43,5 +46,30 @@ def test_a_slow_page_begins_anew() -> None:
             pages.send(CHANGE, {"revision": number})
         assert read(await anext(stream))[0] == ("picture", {"revision": 1000})
         await stream.aclose()
+
+    asyncio.run(main())
+
+
+def test_a_page_gets_the_latest_values_of_the_ports_that_it_shows() -> None:
+    async def main() -> None:
+        pages = Pages(2)
+        streams = {id: pages.stream(dict, id) for id in ("one", "two")}
+        for stream in streams.values():
+            await anext(stream)
+        pages.watch("one", frozenset({"a", "b"}))
+        pages.watch("two", frozenset({"c"}))
+        assert pages.watched() == {"a", "b", "c"}
+        pages.send_values({"a": {"count": 1}, "d": {"count": 1}})
+        pages.send_values({"a": {"count": 2}, "c": {"count": 3}})
+        sent = {id: read(await anext(stream)) for id, stream in streams.items()}
+        assert sent == {
+            "one": [("values", {"values": {"a": {"count": 2}}})],
+            "two": [("values", {"values": {"c": {"count": 3}}})],
+        }
+        await streams["two"].aclose()
+        assert pages.watched() == {"a", "b"}
+        with pytest.raises(NotFound):
+            pages.watch("two", frozenset())
+        await streams["one"].aclose()
 
     asyncio.run(main())

@@ -1,9 +1,9 @@
 import { BaseEdge, getSmoothStepPath, useStore, type EdgeProps } from '@xyflow/react';
 import { memo, useContext } from 'react';
 
-import { rateText } from '../parts/numbers';
 import { RatesContext } from '../shell/contexts';
 import type { WireEdgeType } from './graph';
+import { WireLabel } from './WireLabel';
 import { labelPlace, roundedPath } from './path';
 
 const LABEL_ZOOM = 0.5;
@@ -13,23 +13,21 @@ export const Wire = memo(function Wire(props: EdgeProps<WireEdgeType>) {
   const { id, data, selected } = props;
   const hz = useContext(RatesContext).connectors[id]?.hz ?? null;
   const hasLabel = useStore((state) => state.transform[2] >= LABEL_ZOOM);
-  const [path, x, y] = course(props);
+  const [path, x, y, room] = course(props);
   const isTroubled = Boolean(data?.wire.trouble);
   const classes = ['wire', isTroubled && 'is-troubled', data?.isNear && 'is-near', selected && 'is-selected', hz === 0 && 'is-quiet'];
   return (
     <g className={classes.filter(Boolean).join(' ')} data-speed={speed(hz)}>
       <BaseEdge id={id} path={path} interactionWidth={14} />
-      {hasLabel && (isTroubled || hz !== null) && (
-        <text x={x} y={y - 5}>{isTroubled ? `⚠ ${rateText(hz)}` : rateText(hz)}</text>
-      )}
+      {hasLabel && data && <WireLabel wire={data.wire} hz={hz} x={x} y={y} room={room} />}
     </g>
   );
 });
 
-function course({ data, sourceX, sourceY, targetX, targetY, sourcePosition, targetPosition }: EdgeProps<WireEdgeType>): [string, number, number] {
+function course({ data, sourceX, sourceY, targetX, targetY, sourcePosition, targetPosition }: EdgeProps<WireEdgeType>): [path: string, x: number, y: number, room: number] {
   if (data?.path && data.path.length > 1) return [roundedPath(data.path), ...labelPlace(data.path)];
   const [path, x, y] = getSmoothStepPath({ sourceX, sourceY, targetX, targetY, sourcePosition, targetPosition, borderRadius: 6 });
-  return [path, x, y];
+  return [path, x, y, Math.abs(targetX - sourceX)];
 }
 
 /** Four steps of thickness: nothing, a few, tens, hundreds of values a second. */

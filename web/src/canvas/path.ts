@@ -22,8 +22,8 @@ export function roundedPath(points: readonly Point[]): string {
   return path;
 }
 
-/** The middle of the longest level piece: the best place for a label. */
-export function labelPlace(points: readonly Point[]): Point {
+/** The middle of the longest level piece, the best place for a label, and how long that is. */
+export function labelPlace(points: readonly Point[]): [x: number, y: number, length: number] {
   let best: Point = points[0] ?? [0, 0];
   let longest = -1;
   for (let index = 1; index < points.length; index += 1) {
@@ -31,7 +31,7 @@ export function labelPlace(points: readonly Point[]): Point {
     const length = y1 === y2 ? Math.abs(x2 - x1) : -0.5;
     if (length > longest) [best, longest] = [[(x1 + x2) / 2, (y1 + y2) / 2], length];
   }
-  return best;
+  return [...best, Math.max(longest, 0)];
 }
 
 const distance = ([x1, y1]: Point, [x2, y2]: Point): number => Math.hypot(x2 - x1, y2 - y1);

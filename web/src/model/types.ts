@@ -104,6 +104,7 @@ export type Action =
   | { do: 'load'; manager: string; path: string; init?: string }
   | { do: 'create'; manager: string; create: string }
   | { do: 'delete'; component: string }
+  | { do: 'inject'; port: string; value: string }
   | { do: 'save'; file: string; replace?: boolean };
 
 export interface Step { text: string; command: string; ok: boolean | null; error: string }

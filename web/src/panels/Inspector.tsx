@@ -31,6 +31,6 @@ function Shown({ system, view }: { system: System; view: View }) {
   const component = system.components.get(id);
   if (component) return <ComponentInspector key={id} system={system} component={component} drafts={view.drafts} />;
   const wire = system.connectors.get(id);
-  if (wire) return <ConnectorInspector key={id} wire={wire} />;
+  if (wire) return <ConnectorInspector key={id} system={system} wire={wire} />;
   return <ManagerInspector key={id} system={system} id={id} />;
 }

@@ -1,3 +1,5 @@
+import { useState } from 'react';
+
 import { farEnds, endText } from '../model/does';
 import { portType } from '../model/ports';
 import type { System } from '../model/system';
@@ -5,6 +7,7 @@ import type { Component, Port } from '../model/types';
 import { Icon } from '../parts/icons';
 import { useEditor } from '../shell/contexts';
 import { useTexts } from '../texts';
+import { LazyValues } from './LazyValues';
 import { Link } from './Link';
 import { useVerbs } from './useVerbs';
 
@@ -20,9 +23,15 @@ function PortItem({ system, component, port }: { system: System; component: Comp
   const { canChange } = useEditor();
   const { disconnect } = useVerbs();
   const ends = farEnds(system, component.id, port.name);
+  const [isOpen, setOpen] = useState(false);
   return (
     <li>
-      <p><span className={`direction direction-${port.direction}`}>{texts.directions[port.direction]}</span> <strong>{port.name}</strong> <span className="type">{portType(port)}</span></p>
+      <p><span className={`direction direction-${port.direction}`}>{texts.directions[port.direction]}</span> <strong>{port.name}</strong> <span className="type">{portType(port)}</span>
+        {port.direction !== 'service' && (
+          <button type="button" className="quiet" aria-expanded={isOpen} aria-label={texts.inspector.valuesOf(port.name)} title={texts.inspector.valuesOf(port.name)} onClick={() => setOpen(!isOpen)}><Icon name="plot" /></button>
+        )}
+      </p>
+      {isOpen && <LazyValues end={{ component: component.id, port: port.name }} direction={port.direction} />}
       {ends.length === 0 && <p className="empty">{texts.inspector.free}</p>}
       {ends.map(({ wire, far }) => (
         <p key={wire.id} className={`far ${wire.trouble ? 'is-troubled' : ''}`} title={wire.trouble}>

@@ -17,16 +17,19 @@ export interface StreamListener {
 export const waitBefore = (attempt: number): number => Math.min(FIRST_WAIT_MS * 2 ** attempt, LONGEST_WAIT_MS);
 
 /** Reads the event stream and connects again by itself until the returned function is called. */
-export function openStream(token: string, listener: StreamListener, fetcher: typeof fetch = fetch): () => void {
+export function openStream(token: string, page: string, listener: StreamListener, fetcher: typeof fetch = fetch): () => void {
   const closing = new AbortController();
-  void keepReading(token, listener, fetcher, closing.signal);
+  void keepReading({ token, page }, listener, fetcher, closing.signal);
   return () => closing.abort();
 }
 
-async function keepReading(token: string, listener: StreamListener, fetcher: typeof fetch, closing: AbortSignal) {
+/** Who reads: its right to, and the name by which the server knows it. */
+interface Reader { token: string; page: string }
+
+async function keepReading(reader: Reader, listener: StreamListener, fetcher: typeof fetch, closing: AbortSignal) {
   listener.onLink('connecting');
   for (let attempt = 0; !closing.aborted; attempt += 1) {
-    const end = await readOnce(token, fetcher, closing, (event) => {
+    const end = await readOnce(reader, fetcher, closing, (event) => {
       attempt = 0;
       listener.onEvent(event);
     }, () => listener.onLink('up'));
@@ -38,7 +41,7 @@ async function keepReading(token: string, listener: StreamListener, fetcher: typ
 }
 
 async function readOnce(
-  token: string, fetcher: typeof fetch, closing: AbortSignal,
+  { token, page }: Reader, fetcher: typeof fetch, closing: AbortSignal,
   onEvent: (event: ServerEvent) => void, onUp: () => void,
 ): Promise<'denied' | 'lost' | 'closed'> {
   const attempt = new AbortController();
@@ -46,7 +49,7 @@ async function readOnce(
   closing.addEventListener('abort', abort);
   let watchdog = setTimeout(abort, SILENCE_MS);
   try {
-    const response = await fetcher('/api/stream', {
+    const response = await fetcher(`/api/stream?page=${page}`, {
       headers: { Authorization: `Bearer ${token}`, Accept: 'text/event-stream' },
       cache: 'no-store',
       signal: attempt.signal,
@@ -55,9 +58,9 @@ async function readOnce(
     if (!response.ok || !response.body) return 'lost';
     onUp();
     const parser = new EventStreamParser();
-    const reader = response.body.getReader();
+    const pieces = response.body.getReader();
     for (;;) {
-      const { done, value } = await reader.read();
+      const { done, value } = await pieces.read();
       if (done) return 'lost';
       clearTimeout(watchdog);
       watchdog = setTimeout(abort, SILENCE_MS);

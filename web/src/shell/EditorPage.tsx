@@ -19,6 +19,7 @@ import { TableView } from '../panels/TableView';
 import { TreePanel } from '../panels/TreePanel';
 import { createApi } from '../server/api';
 import { createSubscriptions } from '../server/subscriptions';
+import { createValues } from '../server/values';
 import { useTexts, type Texts } from '../texts';
 import { Banner } from './Banner';
 import { KeysDialog } from './KeysDialog';
@@ -42,17 +43,18 @@ export function EditorPage({ token, settings, onDenied }: Props) {
   const texts = useTexts();
   const api = useMemo(() => createApi(token), [token]);
   const subscriptions = useMemo(() => createSubscriptions(), []);
+  const values = useMemo(() => createValues(api, crypto.randomUUID()), [api]);
   const toasts = useToasts();
   const { add } = toasts;
   const onNotice = useCallback(({ level, text }: Notice) => add({ level, title: text, lines: [], command: '', canUndo: false }), [add]);
   const onError = useCallback((text: string) => onNotice({ level: 'error', text }), [onNotice]);
-  const { system, link, lostAt } = useSystem(token, api, subscriptions, onNotice);
+  const { system, link, lostAt } = useSystem(token, api, subscriptions, values, onNotice);
   const [view, dispatch] = useReducer(reduceView, FIRST_VIEW, (first) => arrived(first, addressOf(location.hash)));
   useAddress(view, dispatch);
   const layout = useLayout(api, system.structure, view.folded, onError);
   const { asked, history, perform, move } = useActions(api, toasts);
   const canChange = link === 'up' && !system.isReadOnly;
-  const editor = useEditorValue(api, subscriptions, canChange, system, dispatch, perform);
+  const editor = useEditorValue(api, subscriptions, values, canChange, system, dispatch, perform);
   useEffect(() => {
     if (link === 'denied') onDenied();
   }, [link, onDenied]);

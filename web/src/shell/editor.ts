@@ -4,12 +4,14 @@ import type { System } from '../model/system';
 import { portEnd, type Action } from '../model/types';
 import type { Api } from '../server/api';
 import type { Subscriptions } from '../server/subscriptions';
+import type { Values } from '../server/values';
 import type { Dialog, Filter, Panel, ViewEvent, ViewKind } from './view';
 
 /** What the parts of the page ask for. */
 export interface Editor {
   api: Api;
   subscriptions: Subscriptions;
+  values: Values;
   /** False while the server is read-only or out of reach. */
   canChange: boolean;
   select: (ids: readonly string[]) => void;
@@ -29,7 +31,7 @@ export interface Editor {
 }
 
 export function useEditorValue(
-  api: Api, subscriptions: Subscriptions, canChange: boolean, system: System, dispatch: Dispatch<ViewEvent>, perform: Editor['perform'],
+  api: Api, subscriptions: Subscriptions, values: Values, canChange: boolean, system: System, dispatch: Dispatch<ViewEvent>, perform: Editor['perform'],
 ): Editor {
   const latest = useRef(system);
   useEffect(() => {
@@ -38,6 +40,7 @@ export function useEditorValue(
   return useMemo<Editor>(() => ({
     api,
     subscriptions,
+    values,
     canChange,
     perform,
     select: (ids) => dispatch({ kind: 'select', ids }),
@@ -54,7 +57,7 @@ export function useEditorValue(
     open: (dialog) => dispatch({ kind: 'dialog', dialog }),
     draft: (key, parameter, text) => dispatch({ kind: 'draft', key, parameter, text }),
     undraft: (key) => dispatch({ kind: 'undraft', key }),
-  }), [api, subscriptions, canChange, dispatch, perform]);
+  }), [api, subscriptions, values, canChange, dispatch, perform]);
 }
 
 /** Events name ports, too: what is shown then is the component of the port. */

@@ -64,7 +64,7 @@ export const en = {
     configuration: 'Configuration', setName: 'Configuration set', activeSet: 'active', activateSet: 'Activate this set',
     noParameters: 'This set has no parameters.', apply: 'Apply', revert: 'Discard', changed: 'changed',
     
-    properties: 'Properties', noProperties: 'There are no properties.', source: 'From', target: 'To', trouble: 'Trouble', written: 'Written',
+    values: 'Values', valuesOf: (port: string) => `Values of ${port}`, properties: 'Properties', noProperties: 'There are no properties.', source: 'From', target: 'To', trouble: 'Trouble', written: 'Written',
     several: (n: number) => `${n} are selected`, countByState: 'Components by state', managers: 'Managers', hidden: 'Show hidden sets',
     nothing: 'Select a component, a connector or a manager to see it here.', 
     connect: 'Connect …',

@@ -66,7 +66,7 @@ export const ja: Texts = {
     configuration: 'コンフィギュレーション', setName: 'コンフィギュレーションセット', activeSet: 'アクティブ', activateSet: 'このセットをアクティブにする',
     noParameters: 'このセットにパラメータはありません。', apply: '適用', revert: '破棄', changed: '変更あり',
     
-    properties: 'プロパティ', noProperties: 'プロパティはありません。', source: '接続元', target: '接続先', trouble: '問題', written: '書き込み数',
+    values: '値', valuesOf: (port) => `${port} の値`, properties: 'プロパティ', noProperties: 'プロパティはありません。', source: '接続元', target: '接続先', trouble: '問題', written: '書き込み数',
     several: (n) => `${n} 個を選択中`, countByState: '状態別のコンポーネント数', managers: 'マネージャ', hidden: '隠しセットを表示',
     nothing: 'コンポーネント、コネクタ、マネージャを選択すると、ここに表示されます。', 
     connect: '接続…',
