@@ -11,6 +11,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
+from rtkit.api.live_records import Record
 from rtkit.component.type_layout import (
     BasicLayout,
     EnumLayout,
@@ -26,7 +27,6 @@ from rtkit.probe.templates import Template
 from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.enums import PortType
 from rtkit.web.folders import granted
-from rtkit.api.live_records import Record
 from rtkit.web.replies import body_of
 from rtkit.web.site import WebSite
 

@@ -15,12 +15,12 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
+from rtkit.api.live_records import KnownManager, Record
 from rtkit.deployment.port_samples import MOST_PORTS
 from rtkit.errors import Malformed, RtkitError
 from rtkit.rtc.manager_address import is_address
 from rtkit.rtc.names import LOCAL
 from rtkit.tree.connect import connect
-from rtkit.api.live_records import KnownManager, Record
 from rtkit.web.replies import body_of
 from rtkit.web.site import WebSite
 
