@@ -12,6 +12,7 @@ from rtkit.errors import NotFound, Refused
 _ENDINGS = (".xml", ".yaml", ".yml", ".json")
 _MOST = 1000
 _FLAGS = os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW
+_FOLDER = _FLAGS | os.O_DIRECTORY
 
 
 def profiles_in(folders: Sequence[str]) -> list[str]:
@@ -46,10 +47,7 @@ def granted(
         Refused: It is in no folder that is granted, leads through a link, or is no file.
         NotFound: It is not there.
     """
-    folder = next((each for each in folders if path.startswith(os.path.join(each, ""))), None)
-    parts = path[len(os.path.join(folder, "")) :].split("/") if folder is not None else []
-    if folder is None or any(each in ("", ".", "..") for each in parts):
-        raise Refused(f"{path} is in no folder that this page was granted (--root)")
+    folder, parts = _split(path, folders)
     if not path.endswith(tuple(endings)):
         raise Refused(f"{path}: the name is to end in {', '.join(endings)}")
     try:
@@ -62,11 +60,48 @@ def granted(
     return path
 
 
+def granted_folder(path: str, folders: Sequence[str]) -> str:
+    """Return a path after a look that it is a granted folder or one below, which may be new.
+
+    Raises:
+        Refused: It is in no folder that is granted, leads through a link, or is a file.
+    """
+    if path in folders:
+        return path
+    folder, parts = _split(path, folders)
+    at = os.open(folder, _FOLDER)
+    try:
+        for part in parts:
+            below = os.open(part, _FOLDER, dir_fd=at)
+            os.close(at)
+            at = below
+    except FileNotFoundError:
+        pass
+    except OSError as error:
+        raise Refused(f"{path}: {error.strerror}; links are not followed") from None
+    finally:
+        os.close(at)
+    return path
+
+
+def _split(path: str, folders: Sequence[str]) -> tuple[str, list[str]]:
+    """Return the granted folder that holds a path, and the names below it.
+
+    Raises:
+        Refused: There is none.
+    """
+    folder = next((each for each in folders if path.startswith(os.path.join(each, ""))), None)
+    parts = path[len(os.path.join(folder, "")) :].split("/") if folder is not None else []
+    if folder is None or any(each in ("", ".", "..") for each in parts) or "\0" in path:
+        raise Refused(f"{path!r} is in no folder that this page was granted (--root)")
+    return folder, parts
+
+
 def _look(folder: str, parts: Sequence[str]) -> None:
     at = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         for part in parts[:-1]:
-            below = os.open(part, _FLAGS | os.O_DIRECTORY, dir_fd=at)
+            below = os.open(part, _FOLDER, dir_fd=at)
             os.close(at)
             at = below
         with closing(os.fdopen(os.open(parts[-1], _FLAGS | os.O_NONBLOCK, dir_fd=at))):

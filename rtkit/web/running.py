@@ -34,11 +34,11 @@ class Outcome(NamedTuple):
     error: str
 
 
-async def started(line: Sequence[str]) -> Process:
+async def started(line: Sequence[str], stdin: int = DEVNULL) -> Process:
     """Start a command line as a process, whose output is read through pipes."""
     return await asyncio.create_subprocess_exec(
         sys.executable, "-P", "-c", _MAIN, *line,
-        stdin=DEVNULL, stdout=PIPE, stderr=PIPE, env={**os.environ, "NO_COLOR": "1"},
+        stdin=stdin, stdout=PIPE, stderr=PIPE, env={**os.environ, "NO_COLOR": "1"},
     )  # fmt: skip
 
 
@@ -47,16 +47,20 @@ def message_of(text: str, line: Sequence[str]) -> str:
     return text.strip().replace(f"rtkit {line[0]}: ", "")
 
 
-async def outcome_of(line: Sequence[str]) -> Outcome:
+async def outcome_of(line: Sequence[str], given: bytes | None = None) -> Outcome:
     """Run a command line and return how it ended.
+
+    Args:
+        line: The command line.
+        given: What it reads from stdin, if it reads that.
 
     Raises:
         Unreachable: It did not end in time.
     """
-    process = await started(line)
+    process = await started(line, DEVNULL if given is None else PIPE)
     try:
         async with asyncio.timeout(_BOUND_S):
-            out, err = await process.communicate()
+            out, err = await process.communicate(given)
     except TimeoutError:
         process.kill()
         await process.wait()
