@@ -17,6 +17,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 
+from rtkit.api.live_records import Record
 from rtkit.builder.identifiers import class_name, module_name, type_name
 from rtkit.builder.standard_types import KNOWN
 from rtkit.errors import Malformed, NotFound, Refused
@@ -26,14 +27,13 @@ from rtkit.profile.read import read_bytes
 from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile.write import write_profile
 from rtkit.profile_tools.new_component import ComponentHeading, new_component
-from rtkit.web.actions import CommandStep
 from rtkit.web.component_form import ERROR, WARNING, FieldFinding, Form, form_of, read_form
 from rtkit.web.folders import granted, granted_folder, profiles_in
 from rtkit.web.form_checks import check_form
-from rtkit.web.records import Record
 from rtkit.web.replies import body_of
 from rtkit.web.running import outcome_of, shown
 from rtkit.web.site import WebSite
+from rtkit.web.steps import CommandStep
 
 _CALLBACKS = ("onInitialize", "onActivated", "onDeactivated", "onExecute")
 _CHOICES = ("keep", "replace", "merge")
