@@ -82,8 +82,8 @@ class _BuildingRoom:
             source, data = _text(body, "name", "RTC.xml"), _text(body, "text")
         found = await asyncio.to_thread(examine, data, source, kind="rtc")
         if not isinstance(found.profile, RtcProfile):
-            told = "; ".join(f"line {each.line}: {each.text}" for each in found.errors)
-            raise Malformed(f"{source}: {told}")
+            reasons = "; ".join(f"line {each.line}: {each.text}" for each in found.errors)
+            raise Malformed(f"{source}: {reasons}")
         notes = [f"{source}:{each.line}: {each.text}" for each in (*found.repairs, *found.remarks)]
         return JSONResponse(_opened(found.profile, notes))
 

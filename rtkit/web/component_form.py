@@ -28,7 +28,7 @@ _ROOT = ROOTS["rtc"]
 
 
 class FieldFinding(NamedTuple):
-    """What is to be said about a field.
+    """A finding about one field of a form.
 
     Attributes:
         place: The field; empty for the whole.
