@@ -55,6 +55,18 @@ def arranged(records: SystemRecords, folded: Collection[str] = ()) -> Record:
     }
 
 
+def part_of(records: SystemRecords, shown: Collection[str]) -> SystemRecords:
+    """Return records with some components only, and with the connectors between these."""
+    return records._replace(
+        components={id: each for id, each in records.components.items() if id in shown},
+        connectors={
+            id: each
+            for id, each in records.connectors.items()
+            if each["source"]["component"] in shown and each["target"]["component"] in shown
+        },
+    )
+
+
 def _place(scene: Scene, layout: Layout, corner: Point, parent: str | None, found: _Found) -> None:
     """Add the boxes and wires of one level of frames, and of those below."""
     for box, place in zip(scene.boxes, layout.places, strict=True):

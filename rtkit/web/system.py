@@ -14,12 +14,12 @@ from rtkit.api.live_scene import drawing_of
 from rtkit.drawing.export import FORMS, exported
 from rtkit.errors import Malformed, NotFound
 from rtkit.web.actions import steps_of
-from rtkit.web.arrange import arranged
+from rtkit.web.arrange import arranged, part_of
 from rtkit.web.fitting import fitting, offers_of
 from rtkit.web.replies import body_of
 from rtkit.web.running import carried_out, records_from, shown
 from rtkit.web.site import WebSite
-from rtkit.web.steps import Action, CommandStep
+from rtkit.web.steps import Action, CommandStep, list_in
 
 _TYPES = {"svg": "image/svg+xml"}
 
@@ -43,10 +43,11 @@ class _SystemRoom:
         self._acting = asyncio.Lock()
 
     async def layout(self, request: Request) -> Response:
-        folded = (await body_of(request)).get("folded", [])
-        if not isinstance(folded, list) or not all(isinstance(each, str) for each in folded):
-            raise Malformed("folded: a list of ids is wanted")
+        body = await body_of(request)
+        folded = list_in(body, "folded")
         revision, records = self._site.revision, self._site.records
+        if "shown" in body:
+            records = part_of(records, frozenset(list_in(body, "shown")))
         layout = await asyncio.to_thread(arranged, records, folded)
         return JSONResponse({"revision": revision, **layout})
 

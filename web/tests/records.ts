@@ -4,7 +4,7 @@ import type { Change, Component, Connector, Picture, Port } from '../src/model/t
 export function component(name: string, more: Partial<Component> = {}): Component {
   return {
     id: `/localhost/${name}.rtc`, name, type: name.replace(/\d+$/, ''), type_id: '', manager: '/localhost/manager.mgr', process: '/localhost/manager.mgr',
-    state: 'Inactive', look: 'inactive', word: 'Inactive', remark: '', since: 0, description: '', composite: '', members: [], contexts: [], ports: [],
+    state: 'Inactive', look: 'inactive', word: 'Inactive', remark: '', since: 0, description: '', composite: '', members: [], is_composite: false, contexts: [], ports: [],
     active_set: 'default', sets: { default: {} }, widgets: {}, constraints: {}, properties: {}, ...more,
   };
 }

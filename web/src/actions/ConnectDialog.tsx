@@ -2,10 +2,10 @@ import { useEffect, useState, type SyntheticEvent } from 'react';
 
 import { NO_WISH, badLine, propertiesOf, type Wish } from '../model/connecting';
 import { endText } from '../model/does';
-import { portType, shortName } from '../model/ports';
+import { pairsOf, portType, shortName, signed } from '../model/ports';
 import { matches } from '../model/search';
 import type { System } from '../model/system';
-import { portEnd, portPath, type Action, type Connectable, type PortEnd } from '../model/types';
+import { portEnd, portPath, type Action, type Connectable, type Port, type PortEnd } from '../model/types';
 import { Modal } from '../parts/Modal';
 import { sentence } from '../server/api';
 import { useEditor } from '../shell/contexts';
@@ -52,6 +52,7 @@ export function ConnectDialog({ system, component, from, to }: Props) {
         </label>
         <FarPorts key={own} from={portPath(source)} chosen={far} onChoose={setFar} />
         <label>{texts.connect.name} <input type="text" value={name} placeholder={texts.connect.nameHint} onChange={(event) => setName(event.target.value)} /></label>
+        {ownPort?.direction === 'service' && far && <Pairs own={ownPort} far={portAt(far, system)} />}
         {ownPort?.direction !== 'service' && <ConnectorOptions wish={wish} onChange={setWish} wrongLine={wrongLine} />}
         <footer>
           <button type="button" onClick={close}>{texts.plan.cancel}</button>
@@ -59,6 +60,25 @@ export function ConnectDialog({ system, component, from, to }: Props) {
         </footer>
       </form>
     </Modal>
+  );
+}
+
+const portAt = (path: string, system: System): Port | undefined => {
+  const end = portEnd(path);
+  return system.components.get(end.component)?.ports.find((port) => port.name === end.port);
+};
+
+/** Which interfaces of two service ports will belong together: those of one type, of which one side provides what the other requires. */
+function Pairs({ own, far }: { own: Port; far: Port | undefined }) {
+  const words = useTexts().manage.wires;
+  const pairs = pairsOf(own, far);
+  return (
+    <fieldset className="far-ports">
+      <legend>{words.pairs}</legend>
+      {pairs.length === 0 && <p className="empty">{words.noPairs}</p>}
+      <ul>{pairs.map(([mine, its]) => <li key={`${mine.instance} ${its.instance}`}>{signed(mine)} — {signed(its)} <span className="note">{mine.type}</span></li>)}</ul>
+      {pairs.length > 0 && <p className="note">{words.pairsHint}</p>}
+    </fieldset>
   );
 }
 

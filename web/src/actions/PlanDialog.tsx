@@ -18,7 +18,7 @@ export function PlanDialog({ asked }: { asked: Asked }) {
           </li>
         ))}
       </ol>
-      {ends && <p className="warning">{texts.plan.ends}</p>}
+      {ends && <p className="warning">{plan.undo === null ? texts.plan.ends : texts.manage.keptEnds}</p>}
       {!ends && plan.undo === null && plan.undo_reason && <p className="warning">{texts.plan.noUndo(plan.undo_reason)}</p>}
       <footer>
         <button type="button" onClick={() => answer(false)}>{texts.plan.cancel}</button>

@@ -1,5 +1,6 @@
 import { useCallback, useMemo, useRef, useState } from 'react';
 
+import { ends as isEnding } from '../model/does';
 import type { Action, Done } from '../model/types';
 import { EMPTY_HISTORY, moved, recorded, type Entry, type History, type Way } from '../model/undo';
 import { sentence, type Api } from '../server/api';
@@ -32,7 +33,7 @@ export function useActions(api: Api, toasts: Toasts): Actions {
 
   const confirmed = useCallback(async (actions: Action[], label: string): Promise<boolean> => {
     const plan = await api.act(actions, true);
-    const ends = actions.some((action) => action.do === 'delete');
+    const ends = isEnding(actions);
     if (plan.steps.length < 2 && !ends) return true;
     return new Promise((resolve) => {
       const answer = (isYes: boolean) => {

@@ -23,18 +23,20 @@ import { Wire } from './Wire';
 const NODE_TYPES = { component: ComponentNode, frame: FrameNode };
 const EDGE_TYPES = { wire: Wire };
 const MINIMAP_SIZE = { width: 150, height: 100 };
+/** What the bar of the scope, the map and the buttons of the diagram take [px]. */
+const [SIDE, TOP, BOTTOM] = [24, 64, 124];
 const PAN_STEP = 80;
 const MOVE_STEP = 20;
 const SPEED_MS = matchMedia('(prefers-reduced-motion: reduce)').matches ? 0 : 250;
 
-interface Props { system: System; layout: Layout; view: View; onOpen: () => void; onConnect: (from: PortEnd, to: PortEnd) => void }
+interface Props { system: System; shown: ReadonlySet<string> | null; layout: Layout; view: View; onOpen: () => void; onConnect: (from: PortEnd, to: PortEnd) => void }
 
 export function Canvas(props: Props) {
   return <ReactFlowProvider><Diagram {...props} /></ReactFlowProvider>;
 }
 
 /** The diagram: boxes and wires of the layout, what the user has moved, and the keys and drags that work on them. */
-function Diagram({ system, layout, view, onOpen, onConnect }: Props) {
+function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
   const texts = useTexts();
   const editor = useEditor();
   const flow = useReactFlow<GraphNode, WireEdgeType>();
@@ -50,6 +52,7 @@ function Diagram({ system, layout, view, onOpen, onConnect }: Props) {
   const edges = buildEdges(scene, layout, view.placed, texts.canvas.wire, keepEdge);
 
   useCentre(view.centre, boxes);
+  useFit(shown, layout);
 
   const onNodesChange = useCallback((changes: NodeChange<GraphNode>[]) => {
     const places = new Map<string, { x: number; y: number }>();
@@ -67,13 +70,15 @@ function Diagram({ system, layout, view, onOpen, onConnect }: Props) {
     wrapper.current?.querySelector<HTMLElement>(`.react-flow__node[data-id="${CSS.escape(id)}"]`)?.focus();
   };
 
-  const go = (heading: Heading, isMoving: boolean) => {
-    const current = view.selection.find((id) => boxes.get(id)?.kind === 'component' || boxes.get(id)?.is_folded);
-    if (current && isMoving) editor.place(new Map([[current, shifted(boxes.get(current), heading)]]));
+  const go = (heading: Heading, isMoving: boolean, isAdding: boolean) => {
+    const boxed = view.selection.filter((id) => boxes.get(id)?.kind === 'component' || boxes.get(id)?.is_folded);
+    const current = isAdding ? boxed.at(-1) : boxed[0];
+    if (current && isMoving) editor.place(new Map(boxed.map((id) => [id, shifted(boxes.get(id), heading)])));
     else if (current) {
       const reachable = new Map([...boxes].filter(([, box]) => box.kind === 'component' || box.is_folded));
       const next = nearest(reachable, current, heading);
-      if (next) focusNode(next);
+      if (next && isAdding) editor.select([...view.selection.filter((id) => id !== next), next]);
+      else if (next) focusNode(next);
     } else {
       const { x, y, zoom } = flow.getViewport();
       const [dx, dy] = ways(heading);
@@ -85,7 +90,7 @@ function Diagram({ system, layout, view, onOpen, onConnect }: Props) {
     const at = event.target instanceof Element ? event.target : null;
     if (at?.closest('button')) return;
     const focused = at?.closest<HTMLElement>('.react-flow__node, .react-flow__edge')?.dataset['id'];
-    if (isHeading(event.key)) go(event.key, event.altKey);
+    if (isHeading(event.key)) go(event.key, event.altKey, event.shiftKey);
     else if (event.key === 'Enter' || event.key === ' ') {
       if (focused) editor.select([focused]);
       if (event.key === 'Enter') onOpen();
@@ -164,6 +169,27 @@ function useCentre(centre: View['centre'], boxes: ReadonlyMap<string, Box>) {
     const isSeen = pane && zoom >= 0.5 && left >= 0 && top >= 0 && left + box.width * zoom <= pane.width && top + box.height * zoom <= pane.height;
     if (!isSeen) void flow.setCenter(box.x + box.width / 2, box.y + box.height / 2, { zoom: Math.max(zoom, 0.8), duration: SPEED_MS });
   }, [centre, boxes, flow]);
+}
+
+/** Shows all again when another part of the system is laid out. */
+function useFit(shown: ReadonlySet<string> | null, layout: Layout) {
+  const flow = useReactFlow();
+  const latest = useRef(shown);
+  useEffect(() => {
+    latest.current = shown;
+  }, [shown]);
+  const fitted = useRef(shown);
+  useEffect(() => {
+    if (latest.current === fitted.current) return;
+    fitted.current = latest.current;
+    // React Flow may still have the boxes of before: what is to be seen is known from the layout.
+    const pane = document.querySelector('.react-flow')?.getBoundingClientRect();
+    if (!pane) return;
+    const [width, height] = [pane.width - 2 * SIDE, pane.height - TOP - BOTTOM];
+    const zoom = Math.min(1, width / layout.width, height / layout.height);
+    const at = { x: SIDE + (width - layout.width * zoom) / 2, y: TOP + (height - layout.height * zoom) / 2, zoom };
+    void flow.setViewport(at, { duration: SPEED_MS });
+  }, [layout, flow]);
 }
 
 /** Asks the server which ports fit as soon as a wire is begun, and tells why the port under the pointer does not. */

@@ -42,3 +42,11 @@ export function farEnds(system: Pick<System, 'connectors'>, component: string, p
     wire, far: portPath(wire.source) === own ? wire.target : wire.source,
   }));
 }
+
+/** The zombies that can be forgotten: those that are to be made again are none. */
+export const zombies = ({ components }: Pick<System, 'components'>): Component[] => [...components.values()].filter((one) => one.look === 'zombie');
+
+/** Actions that end something that runs: they are asked first. */
+const ENDING: ReadonlySet<Action['do']> = new Set<Action['do']>(['delete', 'forget_zombies', 'end_slave', 'restart_manager', 'stop_manager']);
+
+export const ends = (actions: readonly Action[]): boolean => actions.some((action) => ENDING.has(action.do));

@@ -1,4 +1,4 @@
-import type { Box, Component, Connector, Port } from './types';
+import type { Box, Component, Connector, Interface, Port } from './types';
 
 /** A port at its box: the layout decides its side and its height [px below the top of the box]. */
 export interface PlacedPort { port: Port; side: 'left' | 'right'; y: number }
@@ -23,7 +23,16 @@ export function wiresAt(connectors: Iterable<Connector>, component: string, port
 /** What travels through a port: its data type, or the interfaces of a service port. */
 export function portType(port: Port): string {
   if (port.direction !== 'service') return port.type;
-  return port.interfaces.map((one) => `${one.polarity === 'Provided' ? '○' : '◠'} ${one.instance}: ${one.type}`).join(', ');
+  return port.interfaces.map((one) => `${signed(one)}: ${one.type}`).join(', ');
+}
+
+/** An interface with the sign of its side: a ball that is provided, a socket that is required. */
+export const signed = ({ polarity, instance }: Interface): string => `${polarity === 'Provided' ? '○' : '◠'} ${instance}`;
+
+/** Interfaces of two service ports that belong together: of one type, provided by one and required by the other. */
+export function pairsOf(own: Port, far: Port | undefined): [Interface, Interface][] {
+  return own.interfaces.flatMap((mine) => (far?.interfaces ?? [])
+    .filter((its) => its.type === mine.type && its.polarity !== mine.polarity).map((its): [Interface, Interface] => [mine, its]));
 }
 
 /** The last part of a path, as the tree shows it: `Motor0` of `/localhost/Motor0.rtc`. */

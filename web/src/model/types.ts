@@ -25,6 +25,8 @@ export interface Process {
 export interface Context {
   id: string; kind: 'PERIODIC' | 'EVENT_DRIVEN' | 'OTHER'; rate_hz: number; is_running: boolean;
   state: string; owner: string;
+  /** Components that it drives besides its owner. */
+  participants: string[];
 }
 
 export interface Interface { instance: string; type: string; polarity: 'Provided' | 'Required' }
@@ -35,7 +37,7 @@ export interface Component {
   id: string; name: string; type: string; type_id: string; manager: string; process: string;
   state: 'Active' | 'Inactive' | 'Error' | 'Created' | 'Unknown';
   look: Look; word: string; remark: string; since: number; description: string;
-  composite: string; members: string[];
+  composite: string; members: string[]; is_composite: boolean;
   contexts: Context[]; ports: Port[];
   active_set: string; sets: Record<string, Record<string, string>>;
   widgets: Record<string, string>; constraints: Record<string, string>;
@@ -105,6 +107,18 @@ export type Action =
   | { do: 'create'; manager: string; create: string }
   | { do: 'delete'; component: string }
   | { do: 'inject'; port: string; value: string }
+  | { do: 'add_set'; component: string; set: string; source?: string; values?: Record<string, string> }
+  | { do: 'remove_set'; component: string; set: string }
+  | { do: 'attach' | 'detach'; component: string; context: string; participant: string }
+  | { do: 'compose'; process: string; name: string; type: string; members: string[]; ports: string[]; options?: string }
+  | { do: 'dissolve'; component: string }
+  | { do: 'add_member' | 'remove_member'; component: string; member: string; ports: string[] }
+  | { do: 'forget_zombies' }
+  | { do: 'unload'; manager: string; path: string; init: string }
+  | { do: 'fork' | 'restart_manager'; manager: string }
+  | { do: 'end_slave'; process: string }
+  | { do: 'start_manager'; name: string; host?: string }
+  | { do: 'stop_manager'; manager: string; keep: boolean }
   | { do: 'save'; file: string; replace?: boolean };
 
 export interface Step { text: string; command: string; ok: boolean | null; error: string }
@@ -117,6 +131,7 @@ export interface Connectable { path: string; type: string; why: string }
 export interface Offers {
   types: { name: string; id: string; module: string }[];
   modules: { path: string; problem: string }[];
+  loaded: { path: string; init: string }[];
 }
 
 /** Folders that the user has granted, and the system profiles in them. */

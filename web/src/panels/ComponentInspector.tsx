@@ -1,5 +1,6 @@
 import type { System } from '../model/system';
 import type { Component } from '../model/types';
+import { WHOLE } from '../model/scope';
 import { StateIcon } from '../parts/StateIcon';
 import { Icon } from '../parts/icons';
 import { age, clock } from '../parts/numbers';
@@ -7,6 +8,7 @@ import { useNow } from '../parts/useNow';
 import { useEditor } from '../shell/contexts';
 import type { View } from '../shell/view';
 import { useTexts } from '../texts';
+import { CompositeParts } from './CompositeParts';
 import { Configuration } from './Configuration';
 import { Contexts } from './Contexts';
 import { Fields, Section } from './Fields';
@@ -18,7 +20,7 @@ interface Props { system: System; component: Component; drafts: View['drafts'] }
 
 export function ComponentInspector({ system, component, drafts }: Props) {
   const texts = useTexts();
-  const { canChange, open } = useEditor();
+  const { canChange, open, narrow } = useEditor();
   const words = texts.inspector;
   const properties = Object.entries(component.properties);
   return (
@@ -30,15 +32,19 @@ export function ComponentInspector({ system, component, drafts }: Props) {
       </div>
       {component.remark && <p className="remark">{component.remark}</p>}
       <VerbButtons components={[component]} />
+      <div className="buttons">
+        <button type="button" onClick={() => narrow({ ...WHOLE, near: component.id })}>{texts.manage.scope.near}</button>
+        {!component.is_composite && component.look !== 'zombie' && <button type="button" disabled={!canChange} onClick={() => open({ kind: 'compose', members: [component.id] })}>{texts.manage.composites.make}</button>}
+      </div>
       <Fields rows={[
         [words.type, <span key="type" title={component.type_id}>{component.type}</span>],
         [words.process, <Link key="process" id={component.process} />],
         [words.composite, component.composite && <Link key="composite" id={component.composite} />],
-        [words.members, component.members.length ? component.members.map((id) => <Link key={id} id={id} />) : ''],
         [words.description, component.description],
         [words.path, <code key="path">{component.id}</code>],
       ]} />
-      <Section title={words.contexts} count={component.contexts.length}><Contexts component={component} /></Section>
+      {component.is_composite && <Section title={texts.manage.composites.members} count={component.members.length}><CompositeParts system={system} component={component} /></Section>}
+      <Section title={words.contexts} count={component.contexts.length}><Contexts system={system} component={component} /></Section>
       <Section title={words.ports} count={component.ports.length}>
         <PortList system={system} component={component} />
         {component.ports.length > 0 && (

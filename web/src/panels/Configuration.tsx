@@ -6,6 +6,7 @@ import { useEditor } from '../shell/contexts';
 import { draftKey, type View } from '../shell/view';
 import { useTexts } from '../texts';
 import { ParameterField } from './ParameterField';
+import { SetTools } from './SetTools';
 
 /** Configuration sets of a component. What is typed stays here, marked, until it is applied. */
 export function Configuration({ component, drafts }: { component: Component; drafts: View['drafts'] }) {
@@ -40,7 +41,7 @@ export function Configuration({ component, drafts }: { component: Component; dra
       </div>
       {Object.keys(live).length === 0 && <p className="empty">{texts.inspector.noParameters}</p>}
       {Object.entries(live).map(([name, value]) => (
-        <ParameterField key={`${set} ${name}`} name={name} live={value} typed={drafts.get(key)?.[name] ?? null} isDisabled={!canChange}
+        <ParameterField key={`${set} ${name}`} name={name} live={value} typed={drafts.get(key)?.[name] ?? null} isDisabled={!canChange || set.startsWith('__')}
           widget={component.widgets[name] ?? 'text'} constraint={component.constraints[name] ?? ''}
           onChange={(text) => draft(key, name, text === value ? null : text)} />
       ))}
@@ -50,6 +51,7 @@ export function Configuration({ component, drafts }: { component: Component; dra
           <button type="button" onClick={() => undraft(key)}>{texts.inspector.revert}</button>
         </div>
       )}
+      {names.length > 0 && <SetTools component={component} set={set} />}
       {hasHidden && <label className="check"><input type="checkbox" checked={showsHidden} onChange={(event) => setShowsHidden(event.target.checked)} />{texts.inspector.hidden}</label>}
     </form>
   );

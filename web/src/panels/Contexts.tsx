@@ -1,15 +1,18 @@
 import { useState, type SyntheticEvent } from 'react';
 
+import type { System } from '../model/system';
 import type { Component, Context } from '../model/types';
 import { useEditor } from '../shell/contexts';
 import { useTexts } from '../texts';
+import { Guests } from './Guests';
+import { Link } from './Link';
 
 /** Execution contexts of a component: kind, state, rate. */
-export function Contexts({ component }: { component: Component }) {
-  return <ul className="contexts">{component.contexts.map((context) => <ContextRow key={context.id} component={component} context={context} />)}</ul>;
+export function Contexts({ system, component }: { system: System; component: Component }) {
+  return <ul className="contexts">{component.contexts.map((context) => <ContextRow key={context.id} system={system} component={component} context={context} />)}</ul>;
 }
 
-function ContextRow({ component, context }: { component: Component; context: Context }) {
+function ContextRow({ system, component, context }: { system: System; component: Component; context: Context }) {
   const texts = useTexts();
   const { canChange, perform } = useEditor();
   const [typed, setTyped] = useState<string | null>(null);
@@ -34,6 +37,9 @@ function ContextRow({ component, context }: { component: Component; context: Con
           {isChanged && <button type="submit" disabled={!canChange || !isGood}>{texts.inspector.set}</button>}
         </form>
       )}
+      {context.owner === component.id
+        ? <Guests system={system} component={component} context={context} />
+        : <p>{texts.manage.contexts.owner}: <Link id={context.owner} /></p>}
     </li>
   );
 }

@@ -5,6 +5,7 @@ import { useEditor } from '../shell/contexts';
 import { useTexts } from '../texts';
 import { Fields, Section } from './Fields';
 import { Link } from './Link';
+import { ManagerActions } from './ManagerActions';
 import { VerbButtons } from './VerbButtons';
 
 /** A manager or one of its slaves: its state and its components. */
@@ -27,6 +28,7 @@ export function ManagerInspector({ system, id }: { system: System; id: string })
         <button type="button" disabled={!canChange} onClick={() => open({ kind: 'create', manager: owner, slave: process?.is_slave ? process.name : '' })}>{texts.create.open}</button>
         <button type="button" disabled={!canChange} onClick={() => open({ kind: 'load', manager: owner })}>{texts.load.open}</button>
       </div>
+      <ManagerActions system={system} manager={manager} process={process} />
       {components.length > 0 && <VerbButtons components={components} />}
       <Fields rows={[
         [words.manager, !manager && process ? <Link key="manager" id={process.manager} /> : ''],

@@ -1,6 +1,8 @@
 import { countsIn } from '../canvas/graph';
 import type { System } from '../model/system';
 import { StateIcon } from '../parts/StateIcon';
+import { zombies } from '../model/does';
+import { useEditor } from '../shell/contexts';
 import { useTexts } from '../texts';
 import { TROUBLED } from '../model/types';
 import { Section } from './Fields';
@@ -10,6 +12,9 @@ import { Link } from './Link';
 export function Overview({ system }: { system: System }) {
   const texts = useTexts();
   const words = texts.inspector;
+  const { managers } = texts.manage;
+  const { canChange, perform, open } = useEditor();
+  const dead = zombies(system).length;
   const components = [...system.components.values()];
   const troubled = components.filter((one) => TROUBLED.has(one.look));
   const wires = [...system.connectors.values()].filter((one) => one.trouble);
@@ -27,6 +32,7 @@ export function Overview({ system }: { system: System }) {
             {troubled.map((one) => <li key={one.id}><StateIcon look={one.look} /><Link id={one.id} /><span className="note">{one.remark || one.word}</span></li>)}
             {wires.map((one) => <li key={one.id}><span aria-hidden="true">⚠</span><Link id={one.id} text={one.name} /><span className="note">{one.trouble}</span></li>)}
           </ul>
+          {dead > 0 && <button type="button" disabled={!canChange} onClick={() => void perform([{ do: 'forget_zombies' }], managers.forgetZombies(dead))}>{managers.forgetZombies(dead)}</button>}
         </Section>
       )}
       <Section title={words.managers} count={system.managers.size}>
@@ -35,6 +41,7 @@ export function Overview({ system }: { system: System }) {
             <li key={one.id}><span aria-hidden="true">{one.state === 'up' ? '●' : '○'}</span><Link id={one.id} text={one.name} /><span className="note">{one.why || `${texts.managerStates[one.state]}, ${one.host}, ${one.version}`}</span></li>
           ))}
         </ul>
+        <button type="button" disabled={!canChange} onClick={() => open({ kind: 'start' })}>{managers.start}</button>
       </Section>
       <p className="empty">{words.nothing}</p>
     </>

@@ -33,9 +33,10 @@ function PortItem({ system, component, port }: { system: System; component: Comp
       </p>
       {isOpen && <LazyValues end={{ component: component.id, port: port.name }} direction={port.direction} />}
       {ends.length === 0 && <p className="empty">{texts.inspector.free}</p>}
+      {ends.length > 1 && <button type="button" className="all" disabled={!canChange} onClick={() => disconnect(ends.map(({ wire }) => wire))}>{texts.manage.wires.all} ({ends.length})</button>}
       {ends.map(({ wire, far }) => (
         <p key={wire.id} className={`far ${wire.trouble ? 'is-troubled' : ''}`} title={wire.trouble}>
-          <span aria-hidden="true">{port.direction === 'in' ? '←' : '→'}</span> <Link id={wire.id} text={endText(far)} />
+          <span aria-hidden="true">{port.direction === 'in' ? '←' : '→'}</span> <Link id={wire.id} text={hasTwin(ends, far) ? `${endText(far)} (${wire.name})` : endText(far)} />
           {wire.trouble && <span className="warning">⚠ {wire.trouble}</span>}
           <button type="button" className="quiet" disabled={!canChange} aria-label={texts.label.disconnect(endText({ component: component.id, port: port.name }), endText(far))} title={texts.act.disconnect} onClick={() => disconnect([wire])}><Icon name="close" /></button>
         </p>
@@ -43,3 +44,7 @@ function PortItem({ system, component, port }: { system: System; component: Comp
     </li>
   );
 }
+
+/** Whether several connectors lead to the same port: then their names tell them apart. */
+const hasTwin = (ends: ReturnType<typeof farEnds>, far: { component: string; port: string }): boolean =>
+  ends.filter((one) => one.far.component === far.component && one.far.port === far.port).length > 1;

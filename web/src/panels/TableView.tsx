@@ -18,15 +18,16 @@ import { useVerbs } from './useVerbs';
 const SHOWN = 300;
 
 /** The twin of the diagram: the same components, ports and connectors as tables, with the same actions. */
-export function TableView({ system, filter: { text: filter, look } }: { system: System; filter: Filter }) {
+export function TableView({ system, filter: shown }: { system: System; filter: Filter }) {
   const texts = useTexts();
+  const filter = shown.text;
   const { filter: setFilter } = useEditor();
   const components = [...system.components.values()];
   const ports = components.flatMap((component) => component.ports.map((port) => ({ component, port })));
   const words = texts.table;
   return (
     <main className="tables" aria-label={words.label}>
-      <input type="search" aria-label={words.filter} placeholder={words.filter} value={filter} onChange={(event) => setFilter({ text: event.target.value, look })} />
+      <input type="search" aria-label={words.filter} placeholder={words.filter} value={filter} onChange={(event) => setFilter({ ...shown, text: event.target.value })} />
       <Table title={words.components} heads={[words.name, words.type, words.state, words.remark, words.process, words.actions]}
         rows={components.filter((one) => matches(`${one.id} ${one.type} ${one.word} ${one.remark}`, filter))}
         row={(one) => <ComponentRow key={one.id} component={one} />} />

@@ -12,7 +12,8 @@ export interface Api {
   /** Calls of rooms: each knows the shape of its answers. */
   get: <T>(path: string) => Promise<T>;
   post: <T>(path: string, body: object) => Promise<T>;
-  layout: (folded: string[]) => Promise<Layout>;
+  /** `shown` are the components to lay out, null for all. */
+  layout: (folded: string[], shown: string[] | null) => Promise<Layout>;
   act: (actions: Action[], isDryRun: boolean) => Promise<Done>;
   connectable: (port: string) => Promise<Connectable[]>;
   events: () => Promise<TreeEvent[]>;
@@ -30,7 +31,7 @@ export function createApi(token: string): Api {
   return {
     get,
     post,
-    layout: (folded) => post<Layout>('/api/layout', { folded }),
+    layout: (folded, shown) => post<Layout>('/api/layout', { folded, ...(shown && { shown }) }),
     act: (actions, isDryRun) => post<Done>('/api/do', { actions, dry_run: isDryRun }),
     connectable: async (port) => (await get<{ ports: Connectable[] }>(`/api/connectable?port=${encodeURIComponent(port)}`)).ports,
     offers: (manager) => get<Offers>(`/api/offers?manager=${encodeURIComponent(manager)}`),

@@ -1,20 +1,18 @@
 import { Suspense, useCallback, useEffect, useMemo, useReducer, useState } from 'react';
 
-import { ConnectDialog } from '../actions/ConnectDialog';
-import { CreateDialog } from '../actions/CreateDialog';
-import { ExportDialog } from '../actions/ExportDialog';
-import { FilesDialog } from '../actions/FilesDialog';
-import { LoadDialog } from '../actions/LoadDialog';
+import { Dialogs } from '../actions/Dialogs';
 import { PlanDialog } from '../actions/PlanDialog';
 import { ToastList } from '../actions/ToastList';
 import { useActions } from '../actions/useActions';
 import { useToasts } from '../actions/useToasts';
 import { Canvas } from '../canvas/Canvas';
 import { removeActions, wireText } from '../model/does';
+import { narrowed } from '../model/scope';
 import type { System } from '../model/system';
 import type { Notice } from '../model/types';
 import { EventsPanel } from '../panels/EventsPanel';
 import { Inspector } from '../panels/Inspector';
+import { ScopeBar } from '../panels/ScopeBar';
 import { TableView } from '../panels/TableView';
 import { TreePanel } from '../panels/TreePanel';
 import { createApi } from '../server/api';
@@ -32,6 +30,7 @@ import { useEditorValue } from './editor';
 import { ROOMS, isRoom } from './rooms';
 import { useAddress } from './useAddress';
 import { useLayout } from './useLayout';
+import { useScope } from './useScope';
 import { useShortcuts } from './useShortcuts';
 import { useSystem } from './useSystem';
 import { FIRST_VIEW, arrived, reduceView } from './view';
@@ -51,7 +50,8 @@ export function EditorPage({ token, settings, onDenied }: Props) {
   const { system, link, lostAt } = useSystem(token, api, subscriptions, values, onNotice);
   const [view, dispatch] = useReducer(reduceView, FIRST_VIEW, (first) => arrived(first, addressOf(location.hash)));
   useAddress(view, dispatch);
-  const layout = useLayout(api, system.structure, view.folded, onError);
+  const shown = useScope(system, view.scope);
+  const layout = useLayout(api, system.structure, view.folded, shown, onError);
   const { asked, history, perform, move } = useActions(api, toasts);
   const canChange = link === 'up' && !system.isReadOnly;
   const editor = useEditorValue(api, subscriptions, values, canChange, system, dispatch, perform);
@@ -74,6 +74,7 @@ export function EditorPage({ token, settings, onDenied }: Props) {
     if (actions.length && canChange) void perform(actions, removeLabel(view.selection, system, texts));
   };
   const { dialog } = view;
+  const part = useMemo(() => narrowed(system, shown), [system, shown]);
   const Room = isRoom(view.kind) ? ROOMS[view.kind] : null;
   useShortcuts({
     palette: () => editor.open({ kind: 'palette' }),
@@ -85,6 +86,7 @@ export function EditorPage({ token, settings, onDenied }: Props) {
       redo: () => canChange && void move('redo'),
       remove,
       connect,
+      all: () => editor.select([...part.components.keys()]),
       clear: () => editor.select([]),
     }),
   });
@@ -97,13 +99,14 @@ export function EditorPage({ token, settings, onDenied }: Props) {
         <div className={`page ${link === 'up' ? '' : 'is-stale'}`} data-tree={panels.tree} data-inspector={panels.inspector} data-events={panels.events}>
           <TopBar system={system} view={view} history={history} settings={settings} onMove={(way) => void move(way)} />
           <Banner link={link} lostAt={lostAt} managers={system.managers} />
-          {panels.tree && <TreePanel managers={system.managers} processes={system.processes} components={system.components} selection={view.selection} filter={view.filter} />}
+          {panels.tree && <TreePanel managers={system.managers} processes={system.processes} components={system.components} shown={shown} scope={view.scope} selection={view.selection} filter={view.filter} />}
           {Room ? (
             <Suspense fallback={<main className="room"><p className="empty">{texts.bar.roomLoading}</p></main>}><Room system={system} view={view} /></Suspense>
-          ) : view.kind === 'table' ? <TableView system={system} filter={view.filter} /> : (
+          ) : view.kind === 'table' ? <TableView system={part} filter={view.filter} /> : (
             <main className="stage">
+              <ScopeBar system={system} scope={view.scope} shown={shown} />
               {layout && system.components.size > 0 && (
-                <Canvas system={system} layout={layout} view={view} onOpen={openInspector}
+                <Canvas system={part} shown={shown} layout={layout} view={view} onOpen={openInspector}
                   onConnect={(from, to) => editor.open({ kind: 'connect', from, to, component: from.component })} />
               )}
               {!(layout && system.components.size) && <p className="empty">{system.isKnown && !system.components.size ? texts.canvas.empty : link === 'connecting' ? texts.link.connecting : texts.canvas.loading}</p>}
@@ -114,11 +117,7 @@ export function EditorPage({ token, settings, onDenied }: Props) {
         </div>
         {dialog?.kind === 'palette' && <Palette system={system} given={{ system, view, selected, history, settings, onMove: move, onConnect: connect, onRemove: remove }} />}
         {dialog?.kind === 'keys' && <KeysDialog />}
-        {dialog?.kind === 'connect' && <ConnectDialog system={system} component={dialog.component} from={dialog.from} to={dialog.to} />}
-        {dialog?.kind === 'create' && <CreateDialog system={system} manager={dialog.manager} slave={dialog.slave} />}
-        {dialog?.kind === 'load' && <LoadDialog manager={dialog.manager} />}
-        {dialog?.kind === 'export' && <ExportDialog host={system.host} />}
-        {dialog?.kind === 'files' && <FilesDialog />}
+        <Dialogs dialog={dialog} system={system} />
         {asked && <PlanDialog asked={asked} />}
         <ToastList toasts={toasts} onUndo={() => void move('undo')} />
         <LiveRegion components={system.components} isKnown={system.isKnown} />

@@ -1,5 +1,6 @@
 import { useEffect, useMemo, useRef, type Dispatch } from 'react';
 
+import type { Scope } from '../model/scope';
 import type { System } from '../model/system';
 import { portEnd, type Action } from '../model/types';
 import type { Api } from '../server/api';
@@ -23,6 +24,8 @@ export interface Editor {
   /** Goes to a room, and there to what `of` names. */
   show: (view: ViewKind, of?: string) => void;
   filter: (filter: Filter) => void;
+  /** Shows a part of the system only, in the diagram and in lists. */
+  narrow: (scope: Scope) => void;
   togglePanel: (panel: Panel) => void;
   open: (dialog: Dialog | null) => void;
   draft: (key: string, parameter: string, text: string | null) => void;
@@ -52,6 +55,7 @@ export function useEditorValue(
     place: (places) => dispatch({ kind: 'place', places }),
     arrange: () => dispatch({ kind: 'arrange' }),
     filter: (filter) => dispatch({ kind: 'filter', filter }),
+    narrow: (scope) => dispatch({ kind: 'scope', scope }),
     show: (view, of = '') => dispatch({ kind: 'show', view, of }),
     togglePanel: (panel) => dispatch({ kind: 'panel', panel }),
     open: (dialog) => dispatch({ kind: 'dialog', dialog }),

@@ -7,13 +7,13 @@ import { sentence, type Api } from '../server/api';
 const PAUSE_MS = 60;
 
 /** The layout for this structure and these folded boxes; the one before until the next has come. */
-export function useLayout(api: Api, structure: number, folded: ReadonlySet<string>, onError: (text: string) => void): Layout | null {
+export function useLayout(api: Api, structure: number, folded: ReadonlySet<string>, shown: ReadonlySet<string> | null, onError: (text: string) => void): Layout | null {
   const [layout, setLayout] = useState<Layout | null>(null);
   useEffect(() => {
     if (!structure) return undefined;
     let isWanted = true;
     const timer = setTimeout(() => {
-      api.layout([...folded]).then(
+      api.layout([...folded], shown && [...shown]).then(
         (next) => isWanted && setLayout(next),
         (error: unknown) => isWanted && onError(sentence(error)),
       );
@@ -22,6 +22,6 @@ export function useLayout(api: Api, structure: number, folded: ReadonlySet<strin
       isWanted = false;
       clearTimeout(timer);
     };
-  }, [api, structure, folded, onError]);
+  }, [api, structure, folded, shown, onError]);
   return layout;
 }

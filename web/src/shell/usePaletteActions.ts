@@ -1,4 +1,5 @@
-import { allows, type Verb } from '../model/does';
+import { allows, zombies, type Verb } from '../model/does';
+import { WHOLE, isWhole } from '../model/scope';
 import type { Component } from '../model/types';
 import type { System } from '../model/system';
 import type { History, Way } from '../model/undo';
@@ -18,6 +19,9 @@ export interface PaletteGiven {
 /** The actions that make sense now, as rows of the palette. */
 export function usePaletteActions({ system, view, selected, history, settings, onMove, onConnect, onRemove }: PaletteGiven): Command[] {
   const texts = useTexts();
+  const { manage } = texts;
+  const [first] = selected;
+  const dead = zombies(system).length;
   const editor = useEditor();
   const verbs = useVerbs();
   const command = (name: string, run: () => void, note = ''): Command => ({ kind: 'action', name, note, run });
@@ -27,6 +31,7 @@ export function usePaletteActions({ system, view, selected, history, settings, o
     ...(['activate', 'deactivate', 'reset'] as const).filter((verb) => selected.some((one) => allows(one, verb)))
       .map((verb) => command(words[verb], () => verbs.act(selected, verb), names)),
     ...(selected.length === 1 ? [command(texts.act.connect, onConnect, names)] : []),
+    ...(selected.length ? [command(manage.composites.make, () => editor.open({ kind: 'compose', members: selected.map((one) => one.id) }), names)] : []),
     ...(selected.length ? [command(texts.act.end, onRemove, names)] : []),
   ];
   const [undo, redo] = [history.undo.at(-1), history.redo.at(-1)];
@@ -37,7 +42,12 @@ export function usePaletteActions({ system, view, selected, history, settings, o
     ...(editor.canChange ? [...system.managers.values()].filter((one) => one.state === 'up').flatMap((one) => [
       command(texts.create.open, () => editor.open({ kind: 'create', manager: one.id, slave: '' }), one.name),
       command(texts.load.open, () => editor.open({ kind: 'load', manager: one.id }), one.name),
+      command(`${manage.managers.modules} …`, () => editor.open({ kind: 'modules', manager: one.id }), one.name),
     ]) : []),
+    ...(editor.canChange ? [command(manage.managers.start, () => editor.open({ kind: 'start' }))] : []),
+    ...(editor.canChange && dead ? [command(manage.managers.forgetZombies(dead), () => void editor.perform([{ do: 'forget_zombies' }], manage.managers.forgetZombies(dead)))] : []),
+    ...(first ? [command(manage.scope.near, () => editor.narrow({ ...WHOLE, near: first.id }), first.name)] : []),
+    ...(isWhole(view.scope) ? [] : [command(manage.scope.all, () => editor.narrow(WHOLE))]),
     command(texts.files.open, () => editor.open({ kind: 'files' })),
     command(texts.exporting.open, () => editor.open({ kind: 'export' })),
     ...ROOM_KINDS.filter((kind) => kind !== view.kind).map((kind) => command(texts.bar.rooms[kind], () => editor.show(kind))),

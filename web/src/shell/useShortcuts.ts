@@ -6,7 +6,7 @@ export function isTyping(event: KeyboardEvent): boolean {
   return Boolean(at?.closest('input, select, textarea, dialog, [contenteditable]'));
 }
 
-type Name = 'palette' | 'keys' | 'undo' | 'redo' | 'remove' | 'connect' | 'clear' | 'turn';
+type Name = 'palette' | 'keys' | 'undo' | 'redo' | 'remove' | 'connect' | 'clear' | 'turn' | 'all';
 /** What keys do; one without a function is left to others. */
 export type Shortcuts = Partial<Record<Name, () => void>>;
 
@@ -37,6 +37,7 @@ function shortcutOf(event: KeyboardEvent): Name | null {
   if (isTyping(event)) return null;
   if (isControl && key === 'z') return event.shiftKey ? 'redo' : 'undo';
   if (isControl && key === 'y') return 'redo';
+  if (isControl && key === 'a') return 'all';
   if (isControl || event.altKey) return null;
   const plain: Record<string, Name> = {
     '/': 'palette', '?': 'keys', c: 'connect', t: 'turn', Delete: 'remove', Backspace: 'remove', Escape: 'clear',

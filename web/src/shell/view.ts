@@ -1,3 +1,4 @@
+import { WHOLE, type Scope } from '../model/scope';
 import type { Look, PortEnd } from '../model/types';
 import type { Address } from './address';
 import type { RoomKind } from './rooms';
@@ -5,9 +6,16 @@ import type { RoomKind } from './rooms';
 export type Panel = 'tree' | 'inspector' | 'events';
 export type ViewKind = 'diagram' | 'table' | RoomKind;
 /** What the tree and the tables show of all that there is. */
-export interface Filter { text: string; look: Look | 'all' | 'troubled' }
+export interface Filter { text: string; look: Look | 'all' | 'troubled'; kind: KindFilter }
+
+export const KIND_FILTERS = ['all', 'manager', 'slave', 'composite', 'component'] as const;
+export type KindFilter = (typeof KIND_FILTERS)[number];
+
 export type Dialog =
-  | { kind: 'palette' | 'keys' | 'export' | 'files' }
+  | { kind: 'palette' | 'keys' | 'export' | 'files' | 'start' }
+  | { kind: 'set'; component: string; set: string; way: 'copy' | 'rename' }
+  | { kind: 'compose'; members: readonly string[] }
+  | { kind: 'modules'; manager: string }
   | { kind: 'create'; manager: string; slave: string }
   | { kind: 'load'; manager: string }
   | { kind: 'connect'; from: PortEnd | null; to: PortEnd | null; component: string };
@@ -19,6 +27,7 @@ export interface View {
   of: string;
   selection: readonly string[];
   filter: Filter;
+  scope: Scope;
   folded: ReadonlySet<string>;
   placed: ReadonlyMap<string, { x: number; y: number }>;
   panels: Readonly<Record<Panel, boolean>>;
@@ -41,13 +50,14 @@ export type ViewEvent =
   | { kind: 'draft'; key: string; parameter: string; text: string | null }
   | { kind: 'undraft'; key: string }
   | { kind: 'filter'; filter: Filter }
+  | { kind: 'scope'; scope: Scope }
   | { kind: 'address'; address: Address };
 
 /** At 1024 pixels the strip of events would leave the diagram too little room. */
 const hasRoom = typeof innerHeight === 'undefined' || innerHeight > 780;
 
 export const FIRST_VIEW: View = {
-  kind: 'diagram', of: '', selection: [], filter: { text: '', look: 'all' }, folded: new Set(), placed: new Map(),
+  kind: 'diagram', of: '', selection: [], filter: { text: '', look: 'all', kind: 'all' }, scope: WHOLE, folded: new Set(), placed: new Map(),
   panels: { tree: true, inspector: true, events: hasRoom }, dialog: null, centre: null, drafts: new Map(),
 };
 
@@ -65,6 +75,8 @@ export function reduceView(view: View, event: ViewEvent): View {
     }
     case 'filter':
       return { ...view, filter: event.filter };
+    case 'scope':
+      return { ...view, scope: event.scope };
     case 'address':
       return arrived(view, event.address);
     case 'fold': {

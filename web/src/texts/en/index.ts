@@ -1,3 +1,5 @@
+import { manageTexts } from './manage';
+
 /** English texts. Those of other languages have the same keys: `Texts` is the type of this catalogue. */
 export const en = {
   key: 'en' as 'en' | 'ja',
@@ -158,12 +160,14 @@ export const en = {
     title: 'Keys', close: 'Close',
     rows: [
       ['Tab', 'goes to the next component'], ['Arrow keys', 'go to the component that lies there; without a selection, move the view'],
-      ['Alt + arrow keys', 'move the selected component'], ['Enter', 'opens the inspector'], ['Escape', 'clears the selection'],
+      ['Shift + arrow keys', 'add the component that lies there to the selection'], ['Ctrl + A', 'selects all components'],
+      ['Alt + arrow keys', 'move the selected components'], ['Enter', 'opens the inspector'], ['Escape', 'clears the selection'],
       ['C', 'connects a port of the selected component'], ['Delete', 'disconnects or ends what is selected'],
       ['Ctrl + Z', 'undoes the last action'], ['Ctrl + Shift + Z', 'redoes it'], ['Ctrl + K  or  /', 'searches components, ports, types and actions'],
       ['F', 'shows the whole picture'], ['+  −', 'zoom'], ['T', 'changes between diagram and table'], ['?', 'shows these keys'],
     ] as [string, string][],
   },
+  manage: manageTexts,
   live: {
     became: (name: string, state: string) => `${name}: ${state}`, more: (n: number) => `and ${n} more`, gone: (name: string) => `${name} has gone`,
   },

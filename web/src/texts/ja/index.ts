@@ -1,4 +1,5 @@
 import type { Texts } from '../en';
+import { manageTexts } from './manage';
 
 /** Japanese texts, in the words of OpenRTM's Japanese manuals where they have one. */
 export const ja: Texts = {
@@ -159,12 +160,14 @@ export const ja: Texts = {
     title: 'キー', close: '閉じる',
     rows: [
       ['Tab', '次のコンポーネントへ移る'], ['矢印キー', 'その方向のコンポーネントへ移る。何も選択していなければ表示を動かす'],
+      ['Shift + 矢印キー', 'その方向のコンポーネントを選択に加える'], ['Ctrl + A', 'すべてのコンポーネントを選択する'],
       ['Alt + 矢印キー', '選択したコンポーネントを動かす'], ['Enter', 'インスペクタを開く'], ['Escape', '選択を解除する'],
       ['C', '選択したコンポーネントのポートを接続する'], ['Delete', '選択したものを切断または終了する'],
       ['Ctrl + Z', '最後の操作を元に戻す'], ['Ctrl + Shift + Z', 'やり直す'], ['Ctrl + K  または  /', 'コンポーネント、ポート、型、操作を探す'],
       ['F', '全体を表示する'], ['+  −', '拡大・縮小する'], ['T', '図と表を切り替える'], ['?', 'このキー一覧を表示する'],
     ],
   },
+  manage: manageTexts,
   live: {
     became: (name, state) => `${name}: ${state}`, more: (n) => `ほか ${n} 件`, gone: (name) => `${name} がなくなりました`,
   },
