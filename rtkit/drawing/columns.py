@@ -52,7 +52,9 @@ class _Columns:
         self._wires = wires
         self._sizes = [s.box_size(box) for box in boxes]
         self._offsets = [s.port_offsets(box) for box in boxes]
-        self._rank = ranks(len(boxes), [(wire.source.box, wire.target.box) for wire in wires])
+        first = [index for index, box in enumerate(boxes) if box.is_first]
+        edges = [(wire.source.box, wire.target.box) for wire in wires]
+        self._rank = ranks(len(boxes), edges, first)
         self._heights = [size.height for size in self._sizes]
         self._columns: list[list[int]] = [[] for _ in range(max(self._rank) + 1)]
         for box, rank in enumerate(self._rank):

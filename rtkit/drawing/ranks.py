@@ -7,17 +7,18 @@ from collections.abc import Sequence
 Edge = tuple[int, int]
 
 
-def backward_edges(count: int, edges: Sequence[Edge]) -> set[int]:
+def backward_edges(count: int, edges: Sequence[Edge], first: Sequence[int] = ()) -> set[int]:
     """Return the edges to reverse so that no circle remains.
 
     After Eades, Lin and Smyth: nodes without predecessors to the left, those without successors
-    to the right, of the others first the one with most more edges out than in.
+    to the right, of the others first the one with most more edges out than in. Some nodes may be
+    stated to be the first.
     """
-    place = {node: index for index, node in enumerate(_greedy_order(count, edges))}
+    place = {node: index for index, node in enumerate(_greedy_order(count, edges, first))}
     return {i for i, (source, target) in enumerate(edges) if place[source] >= place[target]}
 
 
-def _greedy_order(count: int, edges: Sequence[Edge]) -> list[int]:
+def _greedy_order(count: int, edges: Sequence[Edge], first: Sequence[int]) -> list[int]:
     after: list[list[int]] = [[] for _ in range(count)]
     before: list[list[int]] = [[] for _ in range(count)]
     for source, target in edges:
@@ -37,6 +38,8 @@ def _greedy_order(count: int, edges: Sequence[Edge]) -> list[int]:
         for other in before[node]:
             outs[other] -= 1
 
+    for node in first:
+        take(node, left)
     while todo:
         ends = [node for node in todo if outs[node] == 0 and ins[node]]
         starts = [node for node in todo if ins[node] == 0]
@@ -49,9 +52,9 @@ def _greedy_order(count: int, edges: Sequence[Edge]) -> list[int]:
     return left + right[::-1]
 
 
-def ranks(count: int, edges: Sequence[Edge]) -> list[int]:
+def ranks(count: int, edges: Sequence[Edge], first: Sequence[int] = ()) -> list[int]:
     """Return the column of each node, from 0; edges are kept short, and lead back if they must."""
-    turned = backward_edges(count, edges)
+    turned = backward_edges(count, edges, first)
     back = (edges[index] for index in sorted(turned))
     forward = [edge for index, edge in enumerate(edges) if index not in turned]
     return _ranks(count, forward + [(b, a) for a, b in back if a != b])

@@ -6,6 +6,7 @@ a font: rather too wide than too narrow.
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import NamedTuple
 
 _NARROW = frozenset("fijltrI.,:;'|!()[]{}/\\ \"-`")
@@ -99,7 +100,9 @@ class Box(NamedTuple):
         is_dashed: Whether it may be missing.
         inside: Its content, for a frame; see `rtkit.drawing.frames`.
         fill: Name of a colour (CSS and X11) that stands for a state; empty for the usual one.
-        is_group: Whether it stands for a place, a process or a manager, and not for a component.
+        is_group: Whether it stands for a place, a process or a manager, and not for a component:
+            wires pass its edge beside the ports inside, below the ports of its own.
+        is_first: Whether all that it leads to is to its right, also where a circle leads back.
     """
 
     title: str
@@ -110,6 +113,7 @@ class Box(NamedTuple):
     inside: Inside | None = None
     fill: str = ""
     is_group: bool = False
+    is_first: bool = False
 
 
 class WireEnd(NamedTuple):
@@ -177,27 +181,32 @@ def box_size(box: Box) -> Size:
     sides = [[port for port in box.ports if port.side == side] for side in (LEFT, RIGHT)]
     rows = max(map(len, sides))
     widest = [max((text_width(p.name, PORT_SIZE) for p in ports), default=0) for ports in sides]
-    between = _BETWEEN_NAMES if all(widest) else 0
+    names = sum(widest) + (_BETWEEN_NAMES if all(widest) else 0)
     if box.inside is not None:
-        between = box.inside.layout.size.width + 2 * _BETWEEN_NAMES
+        inner = box.inside.layout.size.width + 2 * _BETWEEN_NAMES
+        names = max(names, inner) if box.is_group else sum(widest) + inner
     width = max(
         _LEAST_WIDTH,
         text_width(box.title, TITLE_SIZE, is_bold=True) + 2 * _PADDING,
         text_width(box.subtitle, SUBTITLE_SIZE) + 2 * _PADDING,
-        sum(widest) + between + 2 * _PADDING,
+        names + 2 * _PADDING,
     )
     height = header_height(box) + rows * ROW + (8 if rows else 0)
     if box.inside is not None:
         height = max(height, inside_offset(box)[1] + box.inside.layout.size.height + _PADDING)
     if box.is_group:
-        height = max(height, *(offset + _PADDING for offset in _offsets_through(box).values()), 0)
+        height = max(height, *(offset + _PADDING for offset in port_offsets(box).values()), 0)
     return Size(round(width), height)
 
 
 def inside_offset(box: Box) -> tuple[int, int]:
     """Return the offset of a box's content from its upper left corner."""
+    top = header_height(box) + _PADDING
+    if box.is_group:  # ports of its own stand above the content
+        rows = Counter(box.ports[port].side for port in _own_ports(box))
+        return _PADDING + _BETWEEN_NAMES, top + max(rows.values(), default=0) * ROW
     names = [text_width(p.name, PORT_SIZE) for p in box.ports if p.side == LEFT]
-    return round(max(names, default=0)) + _PADDING + _BETWEEN_NAMES, header_height(box) + _PADDING
+    return round(max(names, default=0)) + _PADDING + _BETWEEN_NAMES, top
 
 
 def port_offset(box: Box, port: int) -> int:
@@ -207,14 +216,19 @@ def port_offset(box: Box, port: int) -> int:
 
 def port_offsets(box: Box) -> dict[int, int]:
     """Return `port_offset` of all ports of a box."""
-    if box.is_group:
-        return _offsets_through(box)
     rows = {LEFT: 0, RIGHT: 0}
     offsets = {}
-    for port, pin in enumerate(box.ports):
-        offsets[port] = header_height(box) + rows[pin.side] * ROW + ROW // 2
-        rows[pin.side] += 1
-    return offsets
+    for port in _own_ports(box) if box.is_group else range(len(box.ports)):
+        side = box.ports[port].side
+        offsets[port] = header_height(box) + rows[side] * ROW + ROW // 2
+        rows[side] += 1
+    return offsets | _offsets_through(box) if box.is_group else offsets
+
+
+def _own_ports(box: Box) -> list[int]:
+    """Return the ports of a group that lead to nothing inside it."""
+    leading = {port for port, _ in box.inside.links} if box.inside is not None else set()
+    return [port for port in range(len(box.ports)) if port not in leading]
 
 
 def _offsets_through(box: Box) -> dict[int, int]:

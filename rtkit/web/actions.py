@@ -12,7 +12,13 @@ from uuid import uuid4
 
 from rtkit.api.live_records import SystemRecords
 from rtkit.errors import Malformed, Refused
-from rtkit.web import composite_steps, configuration_steps, context_steps, manager_steps
+from rtkit.web import (
+    composite_steps,
+    configuration_steps,
+    context_steps,
+    machine_steps,
+    manager_steps,
+)
 from rtkit.web.folders import granted
 from rtkit.web.steps import (
     Action,
@@ -51,8 +57,10 @@ def _step(action: object, records: SystemRecords, folders: Sequence[str]) -> Com
     verb = text_in(action, "do")
     if verb == _SAVE:
         return _saved(action, folders)
+    if verb in machine_steps.STEPS:
+        return machine_steps.STEPS[verb](action, folders)
     if verb not in _STEPS:
-        known = ", ".join((*_STEPS, _SAVE))
+        known = ", ".join((*_STEPS, _SAVE, *machine_steps.STEPS))
         raise Malformed(f"do: there is no action {verb!r}; there are {known}")
     return _STEPS[verb](action, records)
 

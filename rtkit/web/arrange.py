@@ -41,7 +41,11 @@ class _Found(NamedTuple):
 
 def arranged(records: SystemRecords, folded: Collection[str] = ()) -> Record:
     """Return where everything is drawn [pixel]; see ``Layout`` in ``web/src/model/types.ts``."""
-    drawing = drawing_of(records, folded)
+    return placed(drawing_of(records, folded), folded)
+
+
+def placed(drawing: LiveDrawing, folded: Collection[str] = ()) -> Record:
+    """Return where the boxes and wires of a drawing are [pixel], by their ids."""
     numbered = (box._replace(tip=str(n)) for n, box in enumerate(drawing.scene.boxes))
     whole = framed(drawing.scene._replace(boxes=tuple(numbered)))
     layout = laid_out(whole)

@@ -15,18 +15,18 @@ _FLAGS = os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW
 _FOLDER = _FLAGS | os.O_DIRECTORY
 
 
-def profiles_in(folders: Sequence[str]) -> list[str]:
-    """Return the paths of files whose names end as those of system profiles do, 1000 at most."""
-    return sorted(islice(_files(folders), _MOST))
+def profiles_in(folders: Sequence[str], endings: Sequence[str] = _ENDINGS) -> list[str]:
+    """Return the paths of files whose names have some endings, 1000 at most."""
+    return sorted(islice(_files(folders, tuple(endings)), _MOST))
 
 
-def _files(folders: Sequence[str]) -> Iterator[str]:
+def _files(folders: Sequence[str], endings: tuple[str, ...]) -> Iterator[str]:
     for folder in folders:
         for at, below, names in os.walk(folder):
             below[:] = sorted(each for each in below if not each.startswith("."))
             for name in sorted(names):
                 path = os.path.join(at, name)
-                if name.endswith(_ENDINGS) and not os.path.islink(path):
+                if name.endswith(endings) and not os.path.islink(path):
                     yield path
 
 

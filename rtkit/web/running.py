@@ -90,7 +90,7 @@ async def records_from(line: Sequence[str], good: Container[int] = (0,)) -> list
 async def carried_out(step: CommandStep) -> Record:
     """Run the command of a step; return the step with its outcome."""
     try:
-        outcome = await outcome_of(step.line)
+        outcome = await outcome_of(step.line, step.stdin.encode() or None)
     except Unreachable as error:
         return shown(step, is_done=False, error=str(error))
     is_done = outcome.status == 0

@@ -74,6 +74,7 @@ class WebServer:
         yield
         await self._site.jobs.close()
         await asyncio.to_thread(self._feed.close)
+        await asyncio.to_thread(self._site.close)
 
     def _enter(self, take: Callable[[Any], None]) -> Callable[[Any], None]:
         def enter(news: Any) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from rtkit.api.live_records import Record, SystemRecords, change_between
@@ -15,6 +16,7 @@ from rtkit.web.pages import Pages
 from rtkit.web.replies import Denied
 
 if TYPE_CHECKING:
+    from rtkit.api.client import Client
     from rtkit.api.live_records import KnownManager
     from rtkit.api.session import Session
 
@@ -58,6 +60,18 @@ class WebSite:
     def managers(self) -> Sequence[KnownManager]:
         """Return the managers, with all that they tell."""
         return self.update.managers
+
+    @cached_property
+    def client(self) -> Client:
+        """The client for properties of services, wherever they are."""
+        from rtkit.api.client import Client
+
+        return Client()
+
+    def close(self) -> None:
+        """End the connections to services."""
+        if "client" in vars(self):
+            self.client.close()
 
     def take(self, update: FeedUpdate) -> Record | None:
         """Take what the feed tells; return what has changed by it, None for nothing."""

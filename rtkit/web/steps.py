@@ -19,12 +19,14 @@ class CommandStep(NamedTuple):
         line: The command line.
         undo: The actions that take it back; None where nothing does.
         undo_reason: Why nothing does.
+        stdin: What the command reads from stdin.
     """
 
     text: str
     line: tuple[str, ...]
     undo: tuple[Action, ...] | None = None
     undo_reason: str = ""
+    stdin: str = ""
 
 
 def text_in(action: Action, key: str, default: str | None = None) -> str:

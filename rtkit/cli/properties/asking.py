@@ -86,6 +86,14 @@ def write_raw(payload: Payload) -> None:
     """Write a value as it is, without an end of line; a string without its quotes."""
     import sys
 
+    data = raw(payload)
+    sys.stdout.flush()
+    sys.stdout.buffer.write(data)
+    sys.stdout.buffer.flush()
+
+
+def raw(payload: Payload) -> bytes:
+    """Return the bytes of a value as it is; of a string without its quotes."""
     from rtkit.property.codes import PropertyError
     from rtkit.property.limits import OF_REPLIES
     from rtkit.property.reading import read
@@ -96,7 +104,5 @@ def write_raw(payload: Payload) -> None:
         except PropertyError:
             value = payload
         text = value if isinstance(value, str) and payload.startswith('"') else payload
-        payload = text.encode("utf-8", "surrogateescape")
-    sys.stdout.flush()
-    sys.stdout.buffer.write(payload)
-    sys.stdout.buffer.flush()
+        return text.encode("utf-8", "surrogateescape")
+    return payload

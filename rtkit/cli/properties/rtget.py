@@ -6,11 +6,27 @@ from collections.abc import Iterable, Mapping
 
 import click
 
-from rtkit.cli.properties.asking import AT, PARAMETERS, connected, joined, record, shown, write_raw
+from rtkit.cli.properties.asking import (
+    AT,
+    PARAMETERS,
+    connected,
+    joined,
+    raw,
+    record,
+    shown,
+    write_raw,
+)
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.options import MayWatch, arguments, flag, json_flag, watch_option
+from rtkit.cli.shared.options import (
+    MayWatch,
+    arguments,
+    flag,
+    json_flag,
+    option,
+    watch_option,
+)
 from rtkit.cli.shared.watch import watch
 from rtkit.errors import RtkitError
 
@@ -28,6 +44,10 @@ from rtkit.errors import RtkitError
         ("rtget -p values -p names='(speed mode)' robot", "Several names with their values."),
         ("rtget robot.speed.meta", "Type, unit, range, time, quality of a property."),
         ("rtget --raw robot.image > image.jpg", "Bytes, as they are; many of them in blocks."),
+        (
+            "rtget -o image.jpg robot.image",
+            "The same into a file, whole or not at all.",
+        ),
     ),
     json=("property",),
     arguments=("live",),
@@ -38,6 +58,7 @@ def main(
     at: str | None = AT,
     is_json: bool = json_flag(),
     is_raw: bool = flag("--raw", "Bytes as they are, no quotes, no line end."),
+    output: str | None = option("-o --output FILE", "Write the value, as it is, to this file."),
     period_s: float | None = watch_option(
         "Get again, every second or --watch=SECONDS, until interrupted."
     ),
@@ -56,6 +77,10 @@ def main(
         raise click.UsageError("No targets specified.")
     if is_raw and is_json:
         raise click.UsageError("--raw and --json exclude each other")
+    if output is not None:
+        if is_json or period_s is not None or len(targets) > 1:
+            raise click.UsageError("--output takes the value of one target, as it is")
+        is_raw = True
     with connected(app, at, parameters) as places:
         from rtkit.property.codes import PropertyError
         from rtkit.tree.property_connections import asked
@@ -90,7 +115,12 @@ def main(
                 values.append(value(target))
             except RtkitError as error:
                 failures.append(error)
-        if is_raw:
+        if output is not None:
+            from rtkit.link.atomic import write_output
+
+            for _, payload in values:
+                write_output(raw(payload), output)
+        elif is_raw:
             for _, payload in values:
                 write_raw(payload)
         else:

@@ -39,13 +39,20 @@ NAMESPACE = "urn:rtkit:statemachine#"
 _BASE = "file:///machine"
 _RDF = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
 _COMMENT = "http://www.w3.org/2000/01/rdf-schema#comment"
-_NAME = re.compile(r"[A-Za-z_][\w-]*", re.ASCII)
+STATE_NAME = re.compile(r"[A-Za-z_][\w-]*", re.ASCII)
+"""Names that states and variables may have."""
 _NO_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 """Characters that XML cannot hold."""
-_DEEPEST = 30
+DEEPEST = 30
+"""States that may be inside each other."""
 
 
-def _seconds(text: str) -> float:
+def seconds_of(text: str) -> float:
+    """Return the time that a text says.
+
+    Raises:
+        ValueError: It says none.
+    """
     seconds = plain_of(text)
     if isinstance(seconds, bool | str) or not 0 <= seconds < float("inf"):
         raise ValueError(f"expected seconds, found {text or 'nothing'}")
@@ -61,11 +68,11 @@ _WORDS: dict[str, dict[str, Any]] = {
     },
     "Final": {},
     "transition": {
-        "to": _NODE, "on": str, "when": Expression, "after": _seconds, "action": _LIST
+        "to": _NODE, "on": str, "when": Expression, "after": seconds_of, "action": _LIST
     },
     "action": {
         "set": str, "value": str, "expression": Expression, "get": str, "raise": str,
-        "every": _seconds
+        "every": seconds_of
     },
     "variable": {"name": str, "value": str},
 }  # fmt: skip
@@ -282,9 +289,9 @@ class _Reader:
         while waiting:
             node, path = waiting.pop()
             name, line = path.rpartition(".")[2], self._statements.line_of(node)
-            if path and (not _NAME.fullmatch(name) or name in RESERVED):
+            if path and (not STATE_NAME.fullmatch(name) or name in RESERVED):
                 raise BadMachine(f"not a name of a state: {name}", line)
-            if node in self._paths or (path, "") in self._lines or path.count(".") > _DEEPEST:
+            if node in self._paths or (path, "") in self._lines or path.count(".") > DEEPEST:
                 raise BadMachine(f"state {path} is there twice, or nested too deep", line)
             self._paths[node] = path
             self._lines[path, ""] = line
@@ -369,7 +376,7 @@ class _Reader:
 
     def _variable(self, node: Any) -> tuple[str, Plain]:
         facts = self._of(node, "variable")
-        if not _NAME.fullmatch(facts["name"] or "") or facts["value"] is None:
+        if not STATE_NAME.fullmatch(facts["name"] or "") or facts["value"] is None:
             why = "a variable has sm:name and sm:value"
             raise BadMachine(why, self._statements.line_of(node))
         return facts["name"], plain_of(facts["value"])
@@ -398,7 +405,7 @@ def write_machine(machine: Machine, at: str = "") -> str:
     states = {path: state for path, state in machine.states.items() if is_in(path, at)}
     used = {name for state in states.values() for name in state.variables()}
     variables = [
-        f"sm:variable [ sm:name {_text(name)} ; sm:value {_text(_bare(value))} ]"
+        f"sm:variable [ sm:name {_text(name)} ; sm:value {_text(bare(value))} ]"
         for name, value in machine.variables.items()
         if not at or name in used
     ]
@@ -417,7 +424,7 @@ def _escaped(name: str) -> str:
     return quote(name, safe="").replace(".", "%2E")
 
 
-def _bare(value: Plain) -> str:
+def bare(value: Plain) -> str:
     """Return a value as `plain_of` reads it: texts without quotes."""
     return value if isinstance(value, str) else written(value)
 

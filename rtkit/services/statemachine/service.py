@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import threading
 import time
 from collections import deque
@@ -17,12 +16,11 @@ from rtkit.services.statemachine.expressions import Plain
 from rtkit.services.statemachine.interpreter import Interpreter, MachineEvent, OutgoingSet
 from rtkit.services.statemachine.links import ServiceLink, ServiceNames, service_of
 from rtkit.services.statemachine.model import Machine, MachineState, hint, is_in
-from rtkit.services.statemachine.rdf import read_machine, write_machine
+from rtkit.services.statemachine.rdf import write_machine
+from rtkit.services.statemachine.texts import as_rdf_xml, is_xml, read_text
 
 _RETRY_S = 1.0
-_BASE = "file:///machine"
 _NOTHING = Machine("machine", "nothing", {"nothing": MachineState("nothing")})
-_XML = re.compile(r"\ufeff?\s*<(\?xml|rdf:RDF|scxml)")
 _COMMANDS = ("start", "stop", "pause", "step")
 
 
@@ -64,9 +62,9 @@ class StateMachine(rtkit.Names):
     ) -> None:
         self._trouble = ""
         self._source, self._is_autostarted, self._timeout = source, start, timeout
-        first = _read(machine) if machine else _NOTHING
+        first = read_text(machine) if machine else _NOTHING
         self._interpreter = Interpreter(first, length, logs_all=logs_all)
-        self._text = machine if machine and not _XML.match(machine) else ""
+        self._text = machine if machine and not is_xml(machine) else ""
         self._names, self._services = _names(first), ServiceNames(names)
         self._offset = time.time() - time.monotonic()
         self._client: rtkit.Client | None = None
@@ -143,7 +141,7 @@ class StateMachine(rtkit.Names):
                 raise rtkit.PropertyError("bad-parameter", "only a whole machine is SCXML")
             return write_scxml(machine)
         text = self._text if not rest and self._text else write_machine(machine, rest)
-        return text if form == "turtle" else _as_xml(text)
+        return text if form == "turtle" else as_rdf_xml(text)
 
     def set(
         self, name: str, value: Any, goto: str = "", delete: bool = False, edits: int = -1
@@ -171,8 +169,8 @@ class StateMachine(rtkit.Names):
                 if delete:
                     machine = now.without(rest).check()
                 else:
-                    machine = _read(value, now if rest else None, rest)
-                text = "" if rest or _XML.match(value) else value
+                    machine = read_text(value, now if rest else None, rest)
+                text = "" if rest or is_xml(value) else value
                 self._done(self._edited, machine, goto, text)
 
     def _edited(self, now: float, machine: Machine, goto: str, text: str) -> list[OutgoingSet]:
@@ -365,25 +363,3 @@ StateMachineInit = init_of(StateMachine)
 def _names(machine: Machine) -> tuple[str, ...]:
     states = (f"machine.{path}" for path in machine.states)
     return ("machine", *states, *(f"variables.{name}" for name in machine.variables))
-
-
-def _read(text: str, machine: Machine | None = None, at: str = "") -> Machine:
-    """Read a machine, or what is to be a state of another one."""
-    if not (_XML.match(text) and "<scxml" in text):
-        return read_machine(text, machine, at)
-    from rtkit.services.statemachine.scxml import read_scxml
-
-    made = read_scxml(text)
-    return read_machine(write_machine(made), machine, at) if machine else made
-
-
-def _as_xml(text: str) -> str:
-    import warnings
-
-    from rdflib import Graph
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of lists, which are written all the same
-        return (
-            Graph().parse(data=text, format="turtle", publicID=_BASE).serialize(format="pretty-xml")
-        )

@@ -2,6 +2,7 @@ import { useState } from 'react';
 
 import { EXPORT_FORMS, type ExportForm } from '../model/types';
 import { Modal } from '../parts/Modal';
+import { download } from '../parts/download';
 import { sentence } from '../server/api';
 import { useEditor } from '../shell/contexts';
 import { useTexts } from '../texts';
@@ -31,13 +32,4 @@ export function ExportDialog({ host }: { host: string }) {
       <footer><button type="button" onClick={close}>{texts.plan.cancel}</button></footer>
     </Modal>
   );
-}
-
-function download(content: Blob, name: string): void {
-  const link = document.createElement('a');
-  link.href = URL.createObjectURL(content);
-  link.download = name;
-  link.click();
-  // The browser reads the blob after the click has returned.
-  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }

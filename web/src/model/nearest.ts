@@ -1,12 +1,14 @@
 import type { Box } from './types';
 
+type Place = Pick<Box, 'x' | 'y' | 'width' | 'height'>;
+
 export type Heading = 'ArrowLeft' | 'ArrowRight' | 'ArrowUp' | 'ArrowDown';
 
 export const isHeading = (key: string): key is Heading =>
   key === 'ArrowLeft' || key === 'ArrowRight' || key === 'ArrowUp' || key === 'ArrowDown';
 
 /** The box that an arrow key goes to: the nearest one whose middle lies that way; null at the edge. */
-export function nearest(boxes: ReadonlyMap<string, Box>, from: string, heading: Heading): string | null {
+export function nearest(boxes: ReadonlyMap<string, Place>, from: string, heading: Heading): string | null {
   const start = boxes.get(from);
   if (!start) return null;
   const [x, y] = middle(start);
@@ -23,4 +25,4 @@ export function nearest(boxes: ReadonlyMap<string, Box>, from: string, heading: 
   return best;
 }
 
-const middle = (box: Box): [number, number] => [box.x + box.width / 2, box.y + box.height / 2];
+const middle = (box: Place): [number, number] => [box.x + box.width / 2, box.y + box.height / 2];

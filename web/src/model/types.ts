@@ -119,7 +119,19 @@ export type Action =
   | { do: 'end_slave'; process: string }
   | { do: 'start_manager'; name: string; host?: string }
   | { do: 'stop_manager'; manager: string; keep: boolean }
-  | { do: 'save'; file: string; replace?: boolean };
+  | { do: 'save'; file: string; replace?: boolean }
+  | MachineAction;
+
+/** What is done with a state machine; `machine` is the path of its service. */
+export type MachineAction =
+  | { do: 'edit_machine'; machine: string; text: string; edits: number; goto: string; before: string }
+  | { do: 'run_machine'; machine: string; word: string }
+  | { do: 'send_event'; machine: string; name: string }
+  | { do: 'set_variable'; machine: string; name: string; value: string }
+  | { do: 'keep_machine'; machine: string; target: string }
+  | { do: 'save_machine'; machine: string; file: string; replace: boolean }
+  | { do: 'create_machine'; manager: string; name: string; service: string }
+  | { do: 'activate_machine'; manager: string; name: string };
 
 export interface Step { text: string; command: string; ok: boolean | null; error: string }
 

@@ -1,4 +1,5 @@
 import type { Action, Connectable, Deviation, Done, ExportForm, Files, Layout, Offers, TreeEvent } from '../model/types';
+import { followStream, type StreamListener } from './stream';
 
 /** An answer of the server that is no success; `message` is a sentence for people. */
 export class ServerError extends Error {
@@ -12,6 +13,8 @@ export interface Api {
   /** Calls of rooms: each knows the shape of its answers. */
   get: <T>(path: string) => Promise<T>;
   post: <T>(path: string, body: object) => Promise<T>;
+  /** Follows a stream of a room until the returned function is called. */
+  follow: (path: string, listener: StreamListener) => () => void;
   /** `shown` are the components to lay out, null for all. */
   layout: (folded: string[], shown: string[] | null) => Promise<Layout>;
   act: (actions: Action[], isDryRun: boolean) => Promise<Done>;
@@ -31,6 +34,7 @@ export function createApi(token: string): Api {
   return {
     get,
     post,
+    follow: (path, listener) => followStream(token, path, listener),
     layout: (folded, shown) => post<Layout>('/api/layout', { folded, ...(shown && { shown }) }),
     act: (actions, isDryRun) => post<Done>('/api/do', { actions, dry_run: isDryRun }),
     connectable: async (port) => (await get<{ ports: Connectable[] }>(`/api/connectable?port=${encodeURIComponent(port)}`)).ports,

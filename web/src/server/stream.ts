@@ -17,14 +17,18 @@ export interface StreamListener {
 export const waitBefore = (attempt: number): number => Math.min(FIRST_WAIT_MS * 2 ** attempt, LONGEST_WAIT_MS);
 
 /** Reads the event stream and connects again by itself until the returned function is called. */
-export function openStream(token: string, page: string, listener: StreamListener, fetcher: typeof fetch = fetch): () => void {
+export const openStream = (token: string, page: string, listener: StreamListener, fetcher: typeof fetch = fetch): (() => void) =>
+  followStream(token, `/api/stream?page=${page}`, listener, fetcher);
+
+/** The same with any stream of the server: a room may have its own. */
+export function followStream(token: string, path: string, listener: StreamListener, fetcher: typeof fetch = fetch): () => void {
   const closing = new AbortController();
-  void keepReading({ token, page }, listener, fetcher, closing.signal);
+  void keepReading({ token, path }, listener, fetcher, closing.signal);
   return () => closing.abort();
 }
 
-/** Who reads: its right to, and the name by which the server knows it. */
-interface Reader { token: string; page: string }
+/** Who reads what: its right to, and the address. */
+interface Reader { token: string; path: string }
 
 async function keepReading(reader: Reader, listener: StreamListener, fetcher: typeof fetch, closing: AbortSignal) {
   listener.onLink('connecting');
@@ -41,7 +45,7 @@ async function keepReading(reader: Reader, listener: StreamListener, fetcher: ty
 }
 
 async function readOnce(
-  { token, page }: Reader, fetcher: typeof fetch, closing: AbortSignal,
+  { token, path }: Reader, fetcher: typeof fetch, closing: AbortSignal,
   onEvent: (event: ServerEvent) => void, onUp: () => void,
 ): Promise<'denied' | 'lost' | 'closed'> {
   const attempt = new AbortController();
@@ -49,7 +53,7 @@ async function readOnce(
   closing.addEventListener('abort', abort);
   let watchdog = setTimeout(abort, SILENCE_MS);
   try {
-    const response = await fetcher(`/api/stream?page=${page}`, {
+    const response = await fetcher(path, {
       headers: { Authorization: `Bearer ${token}`, Accept: 'text/event-stream' },
       cache: 'no-store',
       signal: attempt.signal,

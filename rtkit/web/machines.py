@@ -1,0 +1,167 @@
+"""Answers about state machines: which there are, how one stands, and drafts of them."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.responses import StreamingResponse as Streaming
+from starlette.routing import Route
+
+from rtkit import PropertyError
+from rtkit.api.asked import Ask
+from rtkit.api.live_records import Record
+from rtkit.errors import Malformed, Refused
+from rtkit.services.statemachine.model import BadMachine
+from rtkit.services.statemachine.rdf import write_machine
+from rtkit.services.statemachine.texts import as_rdf_xml, read_text
+from rtkit.web.folders import granted, profiles_in
+from rtkit.web.machine_drafts import draft_of, record_of
+from rtkit.web.machine_layout import machine_layout
+from rtkit.web.machine_steps import ENDINGS
+from rtkit.web.machine_watch import news_of
+from rtkit.web.replies import body_of
+from rtkit.web.site import WebSite
+
+_BOUND_S = 2.0
+_SHOWN = ("state", "run", "status")
+
+
+def routes(site: WebSite) -> list[Route]:
+    """Return the requests about state machines."""
+    room = _MachineRoom(site)
+    return [
+        Route("/api/machines", room.machines),
+        Route("/api/machine/stream", room.stream),
+        Route("/api/machine/stored", room.stored),
+        Route("/api/machine/draft", room.draft, methods=["POST"]),
+        Route("/api/machine/read", room.read, methods=["POST"]),
+        Route("/api/machine/write", room.write, methods=["POST"]),
+    ]
+
+
+class _MachineRoom:
+    def __init__(self, site: WebSite) -> None:
+        self._site = site
+
+    async def machines(self, _request: Request) -> Response:
+        """Answer all machines of this host and of those that are linked, and where to store."""
+        hosts = {each.place for each in self._site.managers} - {"localhost"}
+        found = await asyncio.to_thread(self._services, sorted(hosts))
+        files = await asyncio.to_thread(profiles_in, self._site.folders, ENDINGS)
+        return JSONResponse({**found, "folders": list(self._site.folders), "files": files})
+
+    def _services(self, hosts: list[str]) -> Record:
+        asks = [Ask(f"/{each}.services") for each in ("localhost", *hosts)]
+        lists = self._site.client.ask_all(asks, _BOUND_S)
+        services = [
+            f"/{host}/{each}" if host else str(each)
+            for host, names in zip(("", *hosts), lists, strict=True)
+            if isinstance(names, tuple)
+            for each in names
+        ]
+        types = self._site.client.ask_all([Ask(f"{each}.type") for each in services], _BOUND_S)
+        kinds = {id: _words(each) for id, each in zip(services, types, strict=True)}
+        machines = [id for id, words in kinds.items() if "statemachine" in words]
+        asks = [Ask(f"{id}.{name}") for id in machines for name in _SHOWN]
+        answers = iter(self._site.client.ask_all(asks, _BOUND_S))
+        rows = [{"id": id, **{name: _shown(next(answers)) for name in _SHOWN}} for id in machines]
+        return {
+            "machines": rows,
+            "storages": [id for id, words in kinds.items() if "storage" in words],
+        }
+
+    async def stream(self, request: Request) -> Response:
+        machine = _parameter(request, "of")
+        news = news_of(self._site.client, machine)
+        return Streaming(news, media_type="text/event-stream")
+
+    async def stored(self, request: Request) -> Response:
+        """Answer the machine in a property of a storage, or in a file of a folder."""
+        file = request.query_params.get("file", "")
+        if file:
+            path = granted(file, self._site.folders, endings=ENDINGS)
+            text = await asyncio.to_thread(_content, path)
+        else:
+            target = _parameter(request, "target")
+            text = await asyncio.to_thread(self._property, target)
+        return JSONResponse({"machine": await asyncio.to_thread(_read, text)})
+
+    def _property(self, target: str) -> str:
+        try:
+            return self._site.client.get_bytes(target).decode()
+        except (PropertyError, UnicodeDecodeError) as error:
+            raise Refused(f"{target}: {error}") from None
+
+    async def draft(self, request: Request) -> Response:
+        record = (await body_of(request)).get("machine")
+        return JSONResponse(await asyncio.to_thread(_answer, record))
+
+    async def read(self, request: Request) -> Response:
+        text = (await body_of(request)).get("text")
+        if not isinstance(text, str):
+            raise Malformed("text: a text is wanted")
+        return JSONResponse({"machine": await asyncio.to_thread(_read, text)})
+
+    async def write(self, request: Request) -> Response:
+        body = await body_of(request)
+        text = await asyncio.to_thread(_written, body.get("machine"), body.get("form"))
+        return JSONResponse({"text": text})
+
+
+def _words(answer: Any) -> tuple[str, ...]:
+    return tuple(map(str, answer)) if isinstance(answer, tuple) else ()
+
+
+def _shown(answer: Any) -> str:
+    """Return a value as a text; of what does not answer, why."""
+    return str(answer)
+
+
+def _parameter(request: Request, name: str) -> str:
+    value = request.query_params.get(name, "")
+    if not value or "?" in value:
+        raise Malformed(f"{name}: a path is wanted")
+    return value
+
+
+def _content(path: str) -> str:
+    with open(path, encoding="utf-8") as stream:
+        return stream.read(_MOST_LETTERS)
+
+
+_MOST_LETTERS = 4 << 20
+
+
+def _read(text: str) -> Record:
+    try:
+        return record_of(read_text(text))
+    except BadMachine as error:
+        raise Malformed(f"this is no machine: {error}") from None
+
+
+def _answer(record: object) -> Record:
+    """Return what a page is told of a draft: where it is drawn, what is wrong, its text."""
+    draft = draft_of(record)
+    return {
+        "layout": machine_layout(draft.machine),
+        "problems": [each._asdict() for each in draft.problems],
+        "text": write_machine(draft.machine) if draft.is_whole else "",
+    }
+
+
+def _written(record: object, form: object) -> str:
+    draft = draft_of(record)
+    wrong = next((each for each in draft.problems if not each.is_odd), None)
+    if wrong is not None:
+        raise Refused(f"{wrong.state or 'the machine'}: {wrong.text}")
+    if form == "scxml":
+        from rtkit.services.statemachine.scxml import write_scxml
+
+        return write_scxml(draft.machine)
+    text = write_machine(draft.machine)
+    if form not in ("turtle", "xml"):
+        raise Malformed(f"form: turtle, xml, scxml, not {form!r}")
+    return as_rdf_xml(text) if form == "xml" else text
