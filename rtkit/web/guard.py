@@ -8,7 +8,8 @@ too where one is sent, and the token is in a header that only our page sets.
 from __future__ import annotations
 
 import hmac
-from collections.abc import Container, Mapping
+from collections.abc import Callable, Mapping
+from time import monotonic
 from typing import NamedTuple
 
 from rtkit.wires.http.guard import stranger
@@ -39,6 +40,31 @@ class Refusal(NamedTuple):
     text: str
 
 
+MOST_A_SECOND = 200
+"""So many requests a second are answered in the long run; bursts may have twice as many."""
+
+
+class Pace:
+    """Bounds the rate of requests."""
+
+    def __init__(self, clock: Callable[[], float] = monotonic) -> None:
+        """Have had no request; `clock` tells the time [s]."""
+        self._clock = clock
+        self._left = 2.0 * MOST_A_SECOND
+        self._since = clock()
+
+    def admits(self) -> bool:
+        """Count a request; return whether it is within the rate."""
+        now = self._clock()
+        earned = (now - self._since) * MOST_A_SECOND
+        self._left = min(2.0 * MOST_A_SECOND, self._left + earned)
+        self._since = now
+        if self._left < 1:
+            return False
+        self._left -= 1
+        return True
+
+
 class WebGuard(NamedTuple):
     """Rules of one server.
 
@@ -46,11 +72,13 @@ class WebGuard(NamedTuple):
         token: The secret in the address that the user opens.
         names: Names of this host that a browser may ask for, in lower case.
         scheme: ``http`` or ``https``.
+        is_public: Other hosts reach it, so requests may name the address they came to.
     """
 
     token: str
-    names: Container[str]
+    names: frozenset[str]
     scheme: str = "http"
+    is_public: bool = False
 
     def refusal(self, method: str, path: str, headers: Mapping[str, str]) -> Refusal | None:
         """Return why a request is refused, None if it is not; names of headers in lower case."""

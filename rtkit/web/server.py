@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import socket
+import ssl
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from importlib.resources import files
@@ -24,16 +25,14 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from rtkit.errors import LimitReached, RtkitError, Unreachable
+from rtkit.errors import LimitReached, RtkitError
 from rtkit.web.feed import FeedUpdate, SystemFeed
-from rtkit.web.guard import HEADERS, WebGuard
+from rtkit.web.guard import HEADERS, MOST_A_SECOND, Pace, Refusal, WebGuard
 from rtkit.web.pages import CHANGE, NOTICE, RATES
 from rtkit.web.replies import error_of, not_served, refused
 from rtkit.web.rooms import ROOMS
 from rtkit.web.site import MOST_PAGES, WebSite
 
-HERE = "127.0.0.1"
-"""The address of the page, which only this host reaches."""
 STATIC = str(files("rtkit.web").joinpath("static"))
 
 
@@ -113,6 +112,7 @@ class _Guarded:
     def __init__(self, app: ASGIApp, guard: WebGuard) -> None:
         self._app = app
         self._guard = guard
+        self._pace = Pace()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """See ASGI."""
@@ -128,7 +128,14 @@ class _Guarded:
             await send(message)
 
         headers = {name.lower(): value for name, value in Headers(scope=scope).items()}
-        refusal = self._guard.refusal(scope["method"], scope["path"], headers)
+        # A page whose name was bound anew to this host has a name, not the address it came to.
+        came_to = str((scope.get("server") or ("",))[0]).lower()
+        guard = self._guard
+        if guard.is_public:
+            guard = guard._replace(names=guard.names | {came_to})
+        refusal = guard.refusal(scope["method"], scope["path"], headers)
+        if refusal is None and scope["path"].startswith("/api/") and not self._pace.admits():
+            refusal = Refusal(429, "limit", f"more than {MOST_A_SECOND} requests a second")
         app = self._app if refusal is None else error_of(refusal)
         await app(scope, receive, with_headers)
 
@@ -143,30 +150,8 @@ def _never() -> None:
     """Stand for the end of a server that does not run."""
 
 
-def listening(port: int) -> socket.socket:
-    """Return a socket that listens on this host only, at a free port for 0.
-
-    Raises:
-        Unreachable: The port is taken.
-    """
-    listener = socket.socket()
-    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    try:
-        listener.bind((HERE, port))
-    except OSError as error:
-        listener.close()
-        raise Unreachable(f"port {port}: {error.strerror}") from None
-    listener.listen(128)
-    return listener
-
-
-def address_of(listener: socket.socket, token: str) -> str:
-    """Return the address that the user opens; what is behind ``#`` is never sent."""
-    return f"http://{HERE}:{listener.getsockname()[1]}/#token={token}"
-
-
-def serve(server: WebServer, listener: socket.socket) -> None:
-    """Serve at a socket that listens already, until the process is told to end.
+def serve(server: WebServer, listener: socket.socket, tls: ssl.SSLContext | None = None) -> None:
+    """Serve at a socket that listens already, by TLS where given, until told to end.
 
     Raises:
         Exception: What ended the feed.
@@ -181,6 +166,8 @@ def serve(server: WebServer, listener: socket.socket) -> None:
         limit_concurrency=MOST_PAGES * 4,
         ws="none",
     )
+    config.load()
+    config.ssl = tls
     runner = uvicorn.Server(config)
     server.end = lambda: setattr(runner, "should_exit", True)
     runner.run(sockets=[listener])

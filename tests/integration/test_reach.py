@@ -19,7 +19,7 @@ from rtkit.wires.serve import serve
 _LISTEN = {
     "serving/acceptor.py", "link/unix.py", "link/tcp_endpoint.py",
     "wires/line/endpoint.py", "manager/daemon.py", "manager/slaves/warm_up.py",
-    "cli/managers/doctor/live.py", "web/server.py",
+    "cli/managers/doctor/live.py",
 }  # fmt: skip
 """Modules that bind sockets: of a folder of this user, of loopback, or where the rule lets them."""
 

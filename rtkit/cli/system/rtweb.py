@@ -19,6 +19,10 @@ from rtkit.errors import NotFound, Refused
         ("rtweb", "Open the system editor in the browser."),
         ("rtweb --no-browser --port 8080", "Print its address only; the port is always the same."),
         ("rtweb --read-only", "Look, and change nothing."),
+        (
+            "rtweb --bind 10.0.0.7 --cert robot.crt --key robot.key",
+            "For browsers of other hosts, by TLS.",
+        ),
         ("rtweb --root robots", "Save and compare system profiles in that folder, too."),
     ),
     arguments=(),
@@ -27,6 +31,14 @@ def main(
     app: App,
     port: int | None = option(
         "--port N", "Port on this host (default: a free one).", click.IntRange(1, 65535)
+    ),
+    address: str = option(
+        "--bind ADDRESS", "Listen there, for other hosts (default: this host only).", default=""
+    ),
+    cert: str = option("--cert FILE", "Certificate of the page (PEM), for TLS.", default=""),
+    key: str = option("--key FILE", "Its key.", default=""),
+    is_insecure: bool = flag(
+        "--insecure", "Let other hosts in without TLS, too; every rtls -l shows it."
     ),
     is_read_only: bool = flag("--read-only", "Change nothing."),
     roots: tuple[str, ...] = option(
@@ -45,11 +57,13 @@ def main(
     In folders that are granted with --root it saves the system, as rtcryo does, and compares it
     with profiles, as rtcheck does. Links in them are not followed.
 
-    Only browsers of this host reach it. The address that is printed has a secret, good until the
-    command ends: who has it does what you may do.
+    Only browsers of this host reach it, unless --bind says otherwise: then by TLS, with --cert and
+    --key, or with --insecure, when whoever is between reads the secret and takes the page over. The
+    address that is printed has a secret, good until the command ends: who has it does what you may
+    do.
     """
     try:
-        from rtkit.web.server import HERE, STATIC, WebServer, address_of, listening, serve
+        from rtkit.web.server import STATIC, WebServer, serve
     except ImportError as error:
         if (error.name or "").partition(".")[0] not in ("starlette", "uvicorn", "anyio"):
             raise
@@ -58,26 +72,32 @@ def main(
         raise Refused(f"the page needs starlette and uvicorn: {how_to_get('web')}") from None
     from rtkit.web.guard import WebGuard
     from rtkit.web.opening import signpost
+    from rtkit.web.reach import HERE, reach_of
     from rtkit.web.site import WebSite
 
     check_built(STATIC)
     folders = [_folder(each) for each in roots]
     app.needs_reader = False  # a script may read the address, and let the page be served on
-    listener = listening(port or 0)
+    reach = reach_of(address or HERE, port or 0, cert, key, is_insecure=is_insecure)
     token = secrets.token_urlsafe(16)
-    names = frozenset({"localhost", HERE})
     site = WebSite(app, folders, is_read_only=is_read_only)
-    guard = WebGuard(token, names)
+    guard = WebGuard(token, reach.names, reach.scheme, reach.is_public)
+    if reach.is_public and reach.tls is None:
+        app.fail(f"warning: {reach.site} is not encrypted: who listens in can take the page over")
+    forget = reach.noted()
 
     with signpost() as lead:
 
         def ready() -> None:
-            address = address_of(listener, token)
-            terminal.write_now([address])
-            if not (no_browser or lead(address)):
+            shown = f"{reach.site}#token={token}"
+            terminal.write_now([shown])
+            if not (no_browser or lead(shown)):
                 app.fail("no browser was found here: open the address yourself")
 
-        serve(WebServer(site, guard, ready), listener)
+        try:
+            serve(WebServer(site, guard, ready), reach.listener, reach.tls)
+        finally:
+            forget()
 
 
 def _folder(typed: str) -> str:
