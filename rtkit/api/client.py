@@ -216,11 +216,30 @@ class Client(Closing):
         Raises:
             PropertyError: It cannot be listened to; its code tells how.
         """
+        return self._listen(target, callback, _object, parameters)
+
+    def listen_payloads(
+        self, target: str, callback: Callable[[PropertyChange], object], **parameters: Any
+    ) -> Listening:
+        """Listen as `listen` does, with the values of changes as they travel: texts and bytes.
+
+        Raises:
+            PropertyError: It cannot be listened to; its code tells how.
+        """
+        return self._listen(target, callback, lambda payload: payload, parameters)
+
+    def _listen(
+        self,
+        target: str,
+        callback: Callable[[PropertyChange], object],
+        object_of: Callable[[Payload], object],
+        parameters: Mapping[str, Any],
+    ) -> Listening:
         from rtkit.api.listening import Changes, Listening
 
         self._start()
         path, _, tail = target.partition("?")
-        changed = lambda event: _object(event.payload)  # noqa: E731
+        changed = lambda event: object_of(event.payload)  # noqa: E731
         with self._start_lock:
             if self._changes is None:
                 self._changes = Changes(self._host)

@@ -99,6 +99,12 @@ def panel_of(element: Element) -> Panel:
     return Panel(dict(element.attributes), children, arguments)
 
 
+def element_of(panel: Panel) -> Element:
+    """Return the element that describes widgets."""
+    below = (element_of(each) for each in (*panel.arguments, *panel.children))
+    return Element("gui", dict(panel.attributes), tuple(below))
+
+
 def read_panel(text: str) -> Panel:
     """Read the text of an element.
 

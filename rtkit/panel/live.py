@@ -13,7 +13,8 @@ from rtkit.api.asked import Ask
 from rtkit.api.client import Client
 from rtkit.api.property_change import PropertyChange
 from rtkit.closing import Closing
-from rtkit.panel.description import Panel, dressed, read_panel
+from rtkit.panel.description import Panel, read_panel
+from rtkit.panel.dressing import service_of_components, worn
 from rtkit.panel.state import WidgetState
 from rtkit.property.codes import PropertyError
 from rtkit.property.values import Element, Word
@@ -220,28 +221,16 @@ class LiveService(Closing):
 
     def _dressed(self, panel: Panel) -> Panel:
         """Return widgets with the components of properties, or of their types, put on."""
-        known: dict[str, Panel | None] = {}
-        groups = [each for each in panel.children if "gui" in each.texts("type")]
-        if groups:
-            self._components = f"{self.name}.{groups[0].name}"
+        group = service_of_components(panel)
+        if group:
+            self._components = f"{self.name}.{group}"
 
-        def worn(each: Panel) -> Panel:
-            made = each._replace(children=tuple(map(worn, each.children)))
-            own = f"{self.name}.{each.name}.gui.text" if each.name else f"{self.name}/gui.text"
-            component = self._component(own) if "text" in each.texts("forms") else None
-            types = each.texts("type") or [each.spec.type.name]
-            for word in () if component else filter(None, types):
-                if word not in known:
-                    known[word] = self._of_type(word)
-                component = component or known[word]
-            return made if component is None else dressed(made, component)
-
-        return worn(panel)
-
-    def _of_type(self, word: str) -> Panel | None:
-        if self._components and word != "any":
+        def of_type(word: str) -> Panel | None:
+            if not self._components:
+                return None
             return self._component(f"{self._components}.{word}.text", is_followed=True)
-        return None
+
+        return worn(panel, self.name, self._component, of_type)
 
     def _component(self, target: str, *, is_followed: bool = False) -> Panel | None:
         """Return a component, None if there is none, or it is no ``<gui>``."""

@@ -44,7 +44,7 @@ def gui(values: LiveValues, place: NameEntry, caller: Requester) -> Element:
     part = components.get(_value(place.node), place.path, spec.labels)  # type: ignore[arg-type]
     made = PropertySpec(parse_type(kind_of(part)), spec.access, spec.unit, spec.minimum,
                         spec.maximum, spec.step)  # fmt: skip
-    return _element(place.full_name, made, _access(made, place.name, caller), part)
+    return widget(place.full_name, made, _access(made, place.name, caller), part)
 
 
 class _Tree:
@@ -69,7 +69,7 @@ class _Tree:
             return Element("gui", attributes, tuple(below))
         spec = self._spec(node, name)
         access = _access(spec, name, self._caller)
-        made = _element(name, spec, access, _value(node))
+        made = widget(name, spec, access, _value(node))
         if node.returning is not None and "kind" not in spec.widget:
             made.attributes |= {"kind": "joystick", "after": write(node.returning.after)}
         function = node.function
@@ -109,14 +109,15 @@ def _access(spec: PropertySpec, name: str, caller: Requester) -> str:
 
 def _argument(declared: RequestParameter) -> Element:
     spec = declared.spec or PropertySpec(declared.type, choices=declared.choices, doc=declared.doc)
-    made = _element(declared.key, spec, "rw", None)
+    made = widget(declared.key, spec, "rw", None)
     more = {"argument": "true"}
     if declared.default is not None:
         more["default"] = write(declared.default)
     return Element("gui", {**made.attributes, **more})
 
 
-def _element(name: str, spec: PropertySpec, access: str, value: Content | None) -> Element:
+def widget(name: str, spec: PropertySpec, access: str, value: Content | None) -> Element:
+    """Return the widget of a property, from what is declared of it and the value that it has."""
     numbers = {"min": spec.minimum, "max": spec.maximum, "step": spec.step}
     labels = _labels(spec, value)
     doc = next(iter(spec.doc.strip().splitlines()), "")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections import deque
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Mapping
 from itertools import count
 from typing import Any
 
@@ -17,6 +17,8 @@ from rtkit.errors import NotFound
 
 PICTURE, CHANGE, RATES, NOTICE = "picture", "change", "rates", "notice"
 VALUES = "values"
+PROPERTIES = "properties"
+"""The event that tells one page values of the live properties that it shows, by name."""
 _MOST_WAITING = 256
 _ALIVE_S = 4.0
 _ALIVE = b": alive\n\n"
@@ -40,6 +42,7 @@ class PageStream:
     def __init__(self) -> None:
         self.ports: frozenset[str] = frozenset()
         self._values: dict[str, Any] = {}
+        self._properties: dict[str, Any] = {}
         self._waiting: deque[bytes] = deque()
         self._rates = b""
         self._is_behind = False
@@ -68,6 +71,11 @@ class PageStream:
             self._values |= shown
             self._news.set()
 
+    def put_properties(self, values: Mapping[str, Any]) -> None:
+        """Have values of live properties sent; of each name the latest."""
+        self._properties |= values
+        self._news.set()
+
     async def next(self) -> bytes:
         """Return what waits, or a sign of life when nothing has come for a while.
 
@@ -80,9 +88,10 @@ class PageStream:
             return _ALIVE
         self._news.clear()
         values = encoded(VALUES, {"values": self._values}) if self._values else b""
-        sent = b"".join((*self._waiting, self._rates, values))
+        properties = encoded(PROPERTIES, self._properties) if self._properties else b""
+        sent = b"".join((*self._waiting, self._rates, values, properties))
         self._waiting.clear()
-        self._rates, self._values = b"", {}
+        self._rates, self._values, self._properties = b"", {}, {}
         return sent
 
 
@@ -94,6 +103,7 @@ class Pages:
         self.most = most
         self._numbers = count(1)
         self._open: dict[str, PageStream] = {}
+        self._ended: list[Callable[[PageStream], object]] = []
 
     @property
     def is_full(self) -> bool:
@@ -107,15 +117,27 @@ class Pages:
             for page in self._open.values():
                 page.put(kind, event)
 
-    def watch(self, id: str, ports: frozenset[str]) -> None:
-        """Have a page sent the values of these ports, and of no others.
+    def found(self, id: str) -> PageStream:
+        """Return the stream of a page.
 
         Raises:
             NotFound: No page of that id is open.
         """
         if id not in self._open:
             raise NotFound(f"No such page: {id}")
-        self._open[id].ports = ports
+        return self._open[id]
+
+    def when_ended(self, call: Callable[[PageStream], object]) -> None:
+        """Have a function called with each stream that ends."""
+        self._ended.append(call)
+
+    def watch(self, id: str, ports: frozenset[str]) -> None:
+        """Have a page sent the values of these ports, and of no others.
+
+        Raises:
+            NotFound: No page of that id is open.
+        """
+        self.found(id).ports = ports
 
     def watched(self) -> frozenset[str]:
         """Return all ports that some page shows values of."""
@@ -144,3 +166,5 @@ class Pages:
         finally:
             if self._open.get(id) is page:
                 del self._open[id]
+            for call in self._ended:
+                call(page)

@@ -10,6 +10,7 @@ from starlette.responses import JSONResponse, Response
 
 from rtkit.api.live_records import Record
 from rtkit.errors import LimitReached, Malformed, NotFound, Refused, RtkitError
+from rtkit.property.codes import CODES
 from rtkit.web.guard import DENIED, Refusal
 
 _MOST_BYTES = 4 << 20
@@ -27,6 +28,7 @@ _STATUSES = {
     Refused.kind: 409,
     Denied.kind: 403,
     LimitReached.kind: 503,
+    **{code: each.http or 502 for code, each in CODES.items()},
 }
 
 

@@ -71,7 +71,8 @@ class WebServer:
         self._feed.start()
         self._ready()
         yield
-        await self._site.jobs.close()
+        for close in self._site.closers:
+            await close()
         await asyncio.to_thread(self._feed.close)
         await asyncio.to_thread(self._site.close)
 
@@ -124,7 +125,7 @@ class _Guarded:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
                 for name, value in (*HEADERS.items(), ("Cache-Control", _caching(scope["path"]))):
-                    headers[name] = value
+                    headers.setdefault(name, value)  # a component of a service has its own policy
             await send(message)
 
         headers = {name.lower(): value for name, value in Headers(scope=scope).items()}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -37,6 +37,7 @@ class WebSite:
         update: What the feed has told last.
         revision: Grows with each change.
         events: The last ones, with their times.
+        closers: Called, one after the other, before the server ends.
     """
 
     def __init__(self, session: Session, folders: Sequence[str], *, is_read_only: bool) -> None:
@@ -50,6 +51,7 @@ class WebSite:
         self.update = FeedUpdate(SystemRecords.nothing(), (), (), None)
         self.revision = 0
         self.events: deque[Record] = deque(maxlen=_KEPT_EVENTS)
+        self.closers: list[Callable[[], Awaitable[object]]] = [self.jobs.close]
 
     @property
     def records(self) -> SystemRecords:

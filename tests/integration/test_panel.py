@@ -113,7 +113,7 @@ def test_a_widget_is_seen_once_it_has_a_value(place: str) -> None:
             window.made = ["rw", "w"].map((access) => {
                 const attributes = {kind: "slider", name: "height", access, min: 0, max: 1};
                 const made = widgetOf({attributes, children: []});
-                document.querySelector("main").append(made);
+                document.querySelector("rt-panel").append(made);
                 made.begin({attributes, children: []}, {});
                 return made;
             });

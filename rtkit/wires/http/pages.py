@@ -19,15 +19,18 @@ POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
     f"connect-src 'self'; frame-src 'self'; frame-ancestors 'none'; {_NEVER}"
 )
-_OF_COMPONENTS = (
+COMPONENT_POLICY = (
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; "
     f"style-src 'unsafe-inline'; img-src data: blob:; frame-ancestors 'self'; {_NEVER}"
 )
+"""The policy of the HTML that a service brings along: no origin, no network, in a frame only."""
 _FILES = {
     "/static/frames.js": "text/javascript",
+    "/static/map.js": "text/javascript",
     "/static/page.js": "text/javascript",
     "/static/panel.css": "text/css",
     "/static/values.js": "text/javascript",
+    "/static/widgets.css": "text/css",
     "/static/widgets.js": "text/javascript",
 }
 _COMPONENT = re.compile(r"\.html(\?|$)")
@@ -55,5 +58,5 @@ def framed(response: Response, uri: str, headers: Mapping[str, str]) -> Response
         return response
     if not _COMPONENT.search(uri):
         return response
-    policy = ("Content-Security-Policy", _OF_COMPONENTS)
+    policy = ("Content-Security-Policy", COMPONENT_POLICY)
     return response._replace(content_type=_HTML, more=(*response.more, policy))

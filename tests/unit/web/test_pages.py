@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from rtkit.errors import NotFound
-from rtkit.web.pages import CHANGE, RATES, Pages
+from rtkit.web.pages import CHANGE, RATES, Pages, PageStream
 
 
 def read(event: bytes) -> list[tuple[str, Any]]:
@@ -71,5 +71,29 @@ def test_a_page_gets_the_latest_values_of_the_ports_that_it_shows() -> None:
         with pytest.raises(NotFound):
             pages.watch("two", frozenset())
         await streams["one"].aclose()
+
+    asyncio.run(main())
+
+
+def test_properties_go_to_one_page_and_of_each_name_the_latest() -> None:
+    async def main() -> None:
+        pages = Pages(2)
+        ended: list[PageStream] = []
+        pages.when_ended(ended.append)
+        streams = {id: pages.stream(dict, id) for id in ("one", "two")}
+        for stream in streams.values():
+            await anext(stream)
+        one = pages.found("one")
+        for number in range(3):
+            one.put_properties({"a": number, f"b{number}": number})
+        pages.send(CHANGE, {})
+        shown = [("change", {}), ("properties", {"a": 2, "b0": 0, "b1": 1, "b2": 2})]
+        assert read(await anext(streams["one"])) == shown
+        assert read(await anext(streams["two"])) == [("change", {})]
+        await streams["one"].aclose()
+        assert ended == [one]
+        with pytest.raises(NotFound):
+            pages.found("one")
+        await streams["two"].aclose()
 
     asyncio.run(main())

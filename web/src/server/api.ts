@@ -15,6 +15,8 @@ export interface Api {
   post: <T>(path: string, body: object) => Promise<T>;
   /** Follows a stream of a room until the returned function is called. */
   follow: (path: string, listener: StreamListener) => () => void;
+  /** An answer that is no JSON. */
+  fetched: (path: string) => Promise<Response>;
   /** `shown` are the components to lay out, null for all. */
   layout: (folded: string[], shown: string[] | null) => Promise<Layout>;
   act: (actions: Action[], isDryRun: boolean) => Promise<Done>;
@@ -35,6 +37,7 @@ export function createApi(token: string): Api {
     get,
     post,
     follow: (path, listener) => followStream(token, path, listener),
+    fetched: (path) => answered(path, { headers }),
     layout: (folded, shown) => post<Layout>('/api/layout', { folded, ...(shown && { shown }) }),
     act: (actions, isDryRun) => post<Done>('/api/do', { actions, dry_run: isDryRun }),
     connectable: async (port) => (await get<{ ports: Connectable[] }>(`/api/connectable?port=${encodeURIComponent(port)}`)).ports,

@@ -4,7 +4,7 @@
 // A component sends {id, method: "GET" | "SET", name, value}: `name` is empty for its property itself, or
 // leads below it. It gets {id, value} or {id, error}, and {name, value} whenever something changes.
 
-import {make} from "./widgets.js";
+import {make, words} from "./widgets.js";
 
 const NAME = /^$|^(?:[\w+~-]|%[0-9A-Fa-f]{2})+(?:\.(?:[\w+~-]|%[0-9A-Fa-f]{2})+)*$/;
 const RESERVED = /(?:^|\.)(?:properties|parameters|gui|listen|meta|history)(?:\.|$)/;
@@ -17,15 +17,15 @@ export class Frame extends HTMLElement {
     this.dataset.of = this.name;
     this.source = source;
     this.spent = [];
-    const what = this.name || "the service";
-    this.opener = make("button", {type: "button", "aria-expanded": "false"}, `Component of ${what}`);
+    const what = this.name || words.service;
+    this.opener = make("button", {type: "button", "aria-expanded": "false"}, words.component(what));
     this.append(this.opener);
     this.opener.addEventListener("click", () => this.toggle(what, address));
     this.hear = (event) => { if (this.frame && event.source === this.frame.contentWindow) this.answer(event.data); };
   }
 
-  // Nothing of it runs before somebody wants it to.
-  toggle(what, address) {
+  // Nothing of it runs before somebody wants it to. An address may be one that is to be asked for.
+  async toggle(what, address) {
     this.opener.setAttribute("aria-expanded", String(!this.frame));
     if (this.frame) {
       this.frame.remove();
@@ -33,9 +33,18 @@ export class Frame extends HTMLElement {
       window.removeEventListener("message", this.hear);
       return;
     }
-    this.frame = make("iframe", {sandbox: "allow-scripts", src: address, title: `Component of ${what}`, referrerpolicy: "no-referrer"});
+    const frame = this.frame = make("iframe", {sandbox: "allow-scripts", title: words.component(what), referrerpolicy: "no-referrer"});
+    const src = typeof address === "function" ? await address().catch((error) => { this.fail(error); }) : address;
+    if (this.frame !== frame || !src) return;  // it was shut meanwhile, or is not to be had
+    frame.src = src;
     window.addEventListener("message", this.hear);
-    this.append(this.frame);
+    this.append(frame);
+  }
+
+  fail(error) {
+    this.frame = null;
+    this.opener.setAttribute("aria-expanded", "false");
+    this.opener.after(make("span", {class: "problem", role: "alert"}, error.message));
   }
 
   disconnectedCallback() {

@@ -1,5 +1,6 @@
 // The page of the HTTP endpoint: a panel of a service, or of a part of it, live by one stream of events.
 import "./frames.js";
+import "./map.js";
 import {dressed, make} from "./widgets.js";
 import {itemTexts, read, write} from "./values.js";
 

@@ -130,9 +130,11 @@ export function write(value) {
 
 const xml = (text) => text.replace(/[&<>"\n]/g, (sign) => `&#${sign.charCodeAt(0)};`);
 
+const isWord = (leaf) => typeof leaf === "string" && /^[^\s()<>"{}]+$/.test(leaf) && read(leaf) === leaf;
+
 function escaped({name, attributes = {}, children = [], leaf = null}) {
   const given = Object.entries(attributes).map(([key, text]) => ` ${key}="${xml(text)}"`).join("");
-  const content = children.map(escaped).join("") + (leaf === null ? "" : xml(write(leaf)));
+  const content = children.map(escaped).join("") + (leaf === null ? "" : xml(isWord(leaf) ? leaf : write(leaf)));
   return content ? `<${name}${given}>${content}</${name}>` : `<${name}${given}/>`;
 }
 

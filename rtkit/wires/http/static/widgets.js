@@ -5,8 +5,15 @@
 import {child, isVector, itemTexts, read, write} from "./values.js";
 
 const SVG = "http://www.w3.org/2000/svg";
-const WORDS = {alarm: "▲ alarm", warn: "△ warning", bad: "✕ bad", uncertain: "? uncertain",
-               stale: "◷ stale", gone: "⊘ gone", round: "↻ above"};
+// What widgets say; a page in another language puts its own in their place.
+export const words = {
+  alarm: "▲ alarm", warn: "△ warning", bad: "✕ bad", uncertain: "? uncertain", stale: "◷ stale", gone: "⊘ gone", round: "↻ above",
+  on: "on", off: "off", stop: "Stop", stopOf: (name) => `Stop ${name}`, progressOf: (name) => `Progress of ${name}`,
+  joystick: "Joystick: arrow keys steer while they are held", within: (low, high, seconds) => `${low} … ${high} in ${seconds} s`,
+  noPicture: (name) => `${name}: no picture yet`, picture: (name, width, height) => `${name}, ${width} by ${height}`,
+  notPicture: (bytes) => `no picture: ${bytes} bytes`, numbers: (count, low, high) => `${count} numbers from ${low} to ${high}`,
+  component: (name) => `Component of ${name}`, service: "the service",
+};
 const KEPT_S = 60;
 let ids = 0;
 
@@ -18,14 +25,14 @@ export function make(tag, attributes = {}, ...content) {
   return made;
 }
 
-function drawn(tag, attributes = {}, ...content) {
+export function drawn(tag, attributes = {}, ...content) {
   const made = document.createElementNS(SVG, tag);
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
   made.append(...content);
   return made;
 }
 
-const short = (number) => write(Number.isInteger(number) ? number : Math.abs(number) >= 1e6 && Math.abs(number) < 1e15
+export const short = (number) => write(Number.isInteger(number) ? number : Math.abs(number) >= 1e6 && Math.abs(number) < 1e15
   ? Math.round(number) : +number.toPrecision(6));
 
 // A value as people read it: a text without its quotes, numbers not longer than needed.
@@ -33,6 +40,12 @@ export function shown(value, text) {
   if (typeof value === "number") return short(value);
   if (isVector(value)) return value.map(short).join("  ");
   return typeof value === "string" ? value : text;
+}
+
+// What is longer than its place is scrolled, by keys too.
+export function scrolled(element) {
+  if (element.scrollHeight > element.clientHeight) element.tabIndex = 0;
+  else element.removeAttribute("tabindex");
 }
 
 export class Widget extends HTMLElement {
@@ -54,7 +67,7 @@ export class Widget extends HTMLElement {
     this.append(this.caption, this.body, make("span", {class: "unit"}, this.is.unit ?? ""),
                 this.state, this.problem);
     this.draw(this.body);
-    if (this.is.round) this.state.textContent = WORDS[this.dataset.state = "round"];
+    if (this.is.round) this.state.textContent = words[this.dataset.state = "round"];
     // What an empty widget shows is no value: it is seen once the first one has come.
     const isValue = this.is.kind !== "button" && this.is.argument !== "true" && !this.is.round;
     this.toggleAttribute("data-waits", isValue && (this.is.access ?? "").includes("r"));
@@ -70,11 +83,12 @@ export class Widget extends HTMLElement {
     if (this.is.round) return;  // it leads back to a service that is shown: nothing of it is shown again
     this.removeAttribute("data-waits");
     this.text = text;
+    this.told = told;
     this.value = told.isRaw ? text : read(text);
     const severity = this.severity();
     const state = told.code ? "gone" : told.quality && told.quality !== "good" ? told.quality : severity;
     this.dataset.state = state;
-    this.state.textContent = WORDS[state] ?? "";
+    this.state.textContent = words[state] ?? "";
     if (told.why) this.problem.textContent = told.why;
     if (Boolean(told.code) !== Boolean(this.isGone)) this.lock(this.isGone = Boolean(told.code));
     if (!this.isHeld && !this.isLate(text)) this.display(this.value, text);
@@ -84,6 +98,7 @@ export class Widget extends HTMLElement {
 
   display(value, text) {
     this.out.textContent = shown(value, text);
+    scrolled(this.out);
   }
 
   severity() {
@@ -112,7 +127,7 @@ export class Widget extends HTMLElement {
       const [where, wanted] = this.wish;
       this.wish = null;
       try {
-        await this.source.set(this.is.name + where, wanted);
+        await this.source.set(this.is.name + where, wanted, this.held);
         this.problem.textContent = "";
       } catch (error) {
         this.problem.textContent = error.message;
@@ -140,7 +155,7 @@ class TextField extends Widget {
 
   // A text may have several lines: a field of one line would lose their ends.
   made(isLong) {
-    const field = isLong ? this.input({rows: 6, spellcheck: false}, "textarea")
+    const field = isLong ? this.input({rows: 3, spellcheck: false}, "textarea")
       : this.input({type: this.is.kind === "number" ? "number" : "text", step: this.is.step ?? "any",
                     min: this.is.min, max: this.is.max});
     field.addEventListener("input", () => { this.isHeld = true; });
@@ -214,7 +229,7 @@ class Toggle extends Widget {
 
   display(value) {
     this.field.checked = value === true;
-    this.out.textContent = value === true ? "on" : "off";
+    this.out.textContent = value === true ? words.on : words.off;
   }
 }
 
@@ -280,7 +295,7 @@ function outline(numbers) {
     `${(200 * index / (numbers.length - 1)).toFixed(1)},${high > low ? (57 - 54 * (each - low) / (high - low)).toFixed(1) : 30}`);
   return [drawn("svg", {viewBox: "0 0 200 60", preserveAspectRatio: "none", class: "plot", "aria-hidden": "true"},
     drawn("polyline", {points: points.join(" ")})),
-    make("small", {}, `${numbers.length} numbers from ${short(low)} to ${short(high)}`)];
+    make("small", {}, words.numbers(numbers.length, short(low), short(high)))];
 }
 
 class Marker extends Vector {
@@ -319,8 +334,8 @@ class Button extends Widget {
     }
     const name = this.caption.textContent;
     this.field = make("button", {type: "button", "aria-describedby": `${this.id}-name`, disabled: this.readOnly}, name);
-    this.stop = make("button", {type: "button", hidden: true, "aria-label": `Stop ${name}`}, "Stop");
-    this.progress = make("progress", {hidden: true, "aria-label": `Progress of ${name}`});
+    this.stop = make("button", {type: "button", hidden: true, "aria-label": words.stopOf(name)}, words.stop);
+    this.progress = make("progress", {hidden: true, "aria-label": words.progressOf(name)});
     this.out = make("output", {"aria-live": "polite"});
     this.field.addEventListener("click", () => this.start(inputs));
     this.stop.addEventListener("click", () => this.send("true", ".stop"));
@@ -362,7 +377,7 @@ class Joystick extends Widget {
     this.knob = drawn("circle", {cx: 50, cy: 50, r: 14, class: "knob"});
     this.pad = make("div", {class: "pad", tabindex: this.readOnly ? undefined : 0, role: "application",
       "aria-labelledby": `${this.id}-name`,
-      "aria-description": "Joystick: arrow keys steer while they are held"});
+      "aria-description": words.joystick});
     this.pad.append(drawn("svg", {viewBox: "0 0 100 100", "aria-hidden": "true"},
       drawn("circle", {cx: 50, cy: 50, r: 48}), drawn("path", {d: "M50 4V96M4 50H96"}), this.knob));
     this.out = make("output");
@@ -375,9 +390,10 @@ class Joystick extends Widget {
       this.pad.addEventListener(end, () => this.release());
     this.pad.addEventListener("keydown", (event) => this.key(event, true));
     this.pad.addEventListener("keyup", (event) => this.key(event, false));
-    document.addEventListener("visibilitychange", () => { if (document.hidden) this.release(); });
-    window.addEventListener("blur", () => this.release());
-    window.addEventListener("pagehide", () => this.release());
+    this.ended = new AbortController();
+    const {signal} = this.ended;
+    document.addEventListener("visibilitychange", () => { if (document.hidden) this.release(); }, {signal});
+    for (const end of ["blur", "pagehide"]) window.addEventListener(end, () => this.release(), {signal});
   }
 
   point(event) {
@@ -394,8 +410,10 @@ class Joystick extends Widget {
     else this.release();
   }
 
-  // Sends again and again while it is held: what moves by it stops when it hears nothing.
+  // Sends again and again while it is held: what moves by it stops when it hears nothing. A source may
+  // see to that, too: with each value it gets the one at rest, and after which silence that counts.
   steer(ahead, left) {
+    this.held = {rest: write(this.labels.map(() => 0)), after: Number(this.is.after ?? 0.5)};
     this.deflection = [ahead, left].map((each) => Math.min(1, Math.max(-1, each)));
     this.move();
     if (this.timer) return;
@@ -414,6 +432,7 @@ class Joystick extends Widget {
     clearInterval(this.timer);
     this.timer = null;
     this.keys.clear();
+    this.held = undefined;
     this.send(write(this.labels.map(() => 0)));
   }
 
@@ -422,7 +441,8 @@ class Joystick extends Widget {
   }
 
   disconnectedCallback() {
-    if (this.timer) this.release();
+    this.release();
+    this.ended?.abort();
   }
 
   place(numbers) {
@@ -469,7 +489,7 @@ class Plot extends Widget {
     const steps = this.points.flatMap(([at, value], index) =>
       [[x(at), y(value)], [index + 1 < this.points.length ? x(this.points[index + 1][0]) : 200, y(value)]]);
     this.line.setAttribute("points", steps.map(([a, b]) => `${a.toFixed(1)},${b.toFixed(1)}`).join(" "));
-    this.range.textContent = `${short(low)} … ${short(high)} in ${KEPT_S} s`;
+    this.range.textContent = words.within(short(low), short(high), KEPT_S);
   }
 }
 
@@ -486,9 +506,9 @@ const streams = new Set();
 
 class Picture extends Widget {
   draw(body) {
-    this.image = make("img", {alt: `${this.is.name}: no picture yet`});
+    this.image = make("img", {alt: words.noPicture(this.is.name)});
     this.image.addEventListener("load", () => {
-      this.image.alt = `${this.is.name}, ${this.image.naturalWidth} by ${this.image.naturalHeight}`;
+      this.image.alt = words.picture(this.is.name, this.image.naturalWidth, this.image.naturalHeight);
       this.problem.textContent = "";
     });
     this.image.addEventListener("error", () => { if (streams.has(this)) { this.end(); this.fetch(); } });
@@ -544,7 +564,7 @@ class Picture extends Widget {
       try {
         const raw = await this.source.get(this.is.name, true);
         const type = kindOf(raw);
-        if (!type) throw new Error(`no picture: ${raw.byteLength} bytes`);
+        if (!type) throw new Error(words.notPicture(raw.byteLength));
         const old = this.image.src;
         this.image.src = URL.createObjectURL(new Blob([raw], {type}));
         await this.image.decode();
@@ -554,48 +574,6 @@ class Picture extends Widget {
       }
     }
     this.isBusy = false;
-  }
-}
-
-class Map2D extends Widget {
-  draw(body) {
-    this.view = drawn("svg", {class: "map", role: "img", "aria-labelledby": `${this.id}-name`});
-    this.list = make("ul");
-    body.append(this.view, this.list);
-  }
-
-  display(value) {
-    const places = [value].flat().map((each) => ({
-      at: child(each, "location")?.leaf, id: child(each, "id")?.leaf, type: child(each, "type")?.leaf,
-      name: child(each, "name")?.leaf})).filter((each) => isVector(each.at) && each.at.length > 1);
-    const xs = places.map((each) => each.at[0]), ys = places.map((each) => -each.at[1]);
-    const low = [Math.min(0, ...xs) - 0.5, Math.min(0, ...ys) - 0.5];
-    const size = [Math.max(0, ...xs) + 0.5 - low[0], Math.max(0, ...ys) + 0.5 - low[1]];
-    const unit = Math.max(...size) / 40;
-    this.view.setAttribute("viewBox", [...low, ...size].join(" "));
-    this.view.replaceChildren(drawn("path", {d: `M${low[0]} 0h${size[0]}M0 ${low[1]}v${size[1]}`, class: "axis"}),
-      ...places.flatMap(({at, name, id, type}) => {
-        const turn = at.length === 6 ? -at[5] * 180 / Math.PI : 0;
-        const shape = at.length === 6 ? `M${unit * 1.5} 0L${-unit} ${unit}L${-unit} ${-unit}Z`
-          : `M${unit} 0L0 ${unit}L${-unit} 0L0 ${-unit}Z`;
-        const isRight = at[0] > low[0] + size[0] / 2;
-        const label = drawn("text", {x: at[0] + (isRight ? -1.5 : 1.5) * unit, y: -at[1] - unit,
-          "text-anchor": isRight ? "end" : "start", "font-size": unit * 1.7});
-        label.textContent = String(name ?? id ?? type ?? "");
-        return [drawn("path", {d: shape, transform: `translate(${at[0]} ${-at[1]}) rotate(${turn})`}), label];
-      }));
-    // What is longer than the map ends in dots; it is told whole below the map, and to who points there.
-    for (const each of this.view.querySelectorAll("text")) {
-      const x = Number(each.getAttribute("x"));
-      const room = each.getAttribute("text-anchor") === "end" ? x - low[0] : low[0] + size[0] - x;
-      const whole = each.textContent;
-      let end = Math.ceil(whole.length * room / each.getComputedTextLength());
-      if (end > whole.length) continue;
-      do each.textContent = `${whole.slice(0, end)}…`; while (each.getComputedTextLength() > room && --end > 0);
-      each.append(drawn("title", {}, whole));
-    }
-    this.list.replaceChildren(...places.slice(0, 50).map(({at, name, id, type}) =>
-      make("li", {}, [name ?? id, type].filter(Boolean).join(", ") + `: ${at.map(short).join(" ")}`)));
   }
 }
 
@@ -628,6 +606,9 @@ class Tree extends Widget {
   }
 }
 
+// What was drawn for a <gui>: its widget or group, and the frame of its component.
+const widgets = new WeakMap(), frames = new WeakMap();
+
 export class Group extends HTMLElement {
   // Offers the component that a service brings along for this property or its type.
   frame(gui, source) {
@@ -636,6 +617,7 @@ export class Group extends HTMLElement {
     const made = make("rt-frame");
     this.append(made);
     made.begin(gui, source, address);
+    frames.set(gui, made);
   }
 
   begin(gui, source, depth = 2) {
@@ -643,7 +625,7 @@ export class Group extends HTMLElement {
     const title = gui.attributes.label ?? (gui.attributes.name ?? "").split(".").pop();
     const id = `rt-${++ids}`;
     this.setAttribute("role", "group");
-    if (!gui.attributes.name) this.frame(gui, source);
+    if (depth === 2) this.frame(gui, source);
     if (title) {
       this.append(make(`h${Math.min(6, depth)}`, {id, title: gui.attributes.doc}, title));
       this.setAttribute("aria-labelledby", id);
@@ -653,6 +635,7 @@ export class Group extends HTMLElement {
       const made = widgetOf(each);
       this.append(made);
       made.begin(each, source, depth + 1);
+      widgets.set(each, made);
       this.frame(each, source);
       const below = each.children.filter((one) => one.attributes.argument !== "true");
       if (!(made instanceof Group) && below.length) {
@@ -677,19 +660,48 @@ export function dressed(gui, component) {
   return {...made, children: wanted.filter(([found]) => found).map(([found, each]) => dressed(found, each))};
 }
 
+// All that is drawn of a panel, in its order; arguments of actions belong to their buttons.
+const all = (gui) => [gui, ...gui.children.filter((each) => each.attributes.argument !== "true").flatMap(all)];
+const own = (gui) => write({...gui, children: gui.children.filter((each) => each.attributes.argument === "true")});
+
 // Panel of a service, or of a part of one.
 export class Panel extends HTMLElement {
   draw(gui, source) {
     const group = make("rt-group");
     this.replaceChildren(group);
-    group.begin(gui.attributes.kind === "group" ? gui
-      : {attributes: {kind: "group", name: ""}, children: [gui]}, source);
+    this.root = gui.attributes.kind === "group" ? gui : {attributes: {kind: "group", name: ""}, children: [gui]};
+    group.begin(this.root, source);
+  }
+
+  // Draws only those anew that are described in another way; where names have come or gone, all.
+  redraw(gui, source) {
+    const now = all(gui.attributes.kind === "group" ? gui : {attributes: {kind: "group", name: ""}, children: [gui]});
+    const before = this.root ? all(this.root) : [];
+    const isSame = (each, index) => each.attributes.name === now[index].attributes.name &&
+      each.children.length === now[index].children.length && (own(each) === own(now[index]) || widgets.get(each)?.gui);
+    if (before.length !== now.length || !before.every(isSame)) { this.draw(gui, source); return; }
+    for (const [index, each] of before.entries()) {
+      const old = widgets.get(each), made = own(each) === own(now[index]) ? old : widgetOf(now[index]);
+      if (made === old) { widgets.set(now[index], old); if (frames.has(each)) frames.set(now[index], frames.get(each)); continue; }
+      old.replaceWith(made);
+      made.begin(now[index], source);
+      widgets.set(now[index], made);
+      if (old.text !== undefined) made.show(old.text, old.told);
+      const frame = frames.get(each), wasOpen = Boolean(frame?.frame);
+      frame?.remove();
+      made.parentElement.frame(now[index], source);
+      const newer = frames.get(now[index]);
+      if (newer) made.after(newer);
+      if (wasOpen) newer?.opener.click();
+    }
+    this.root = now[0];
   }
 
   // What shows a property, or, with `isBelow`, also what shows something that it is a part of.
   show(name, text, told) {
     for (const each of this.querySelectorAll("[data-name]"))
       if (each.show && each.dataset.name === name && !each.closest("rt-button rt-text")) each.show(text, told);
+    for (const each of this.querySelectorAll("rt-map")) each.overlay?.(name, text, told);
     for (const each of this.querySelectorAll("rt-frame")) each.pass(name, text);
   }
 
@@ -702,13 +714,14 @@ export class Panel extends HTMLElement {
 customElements.define("rt-panel", Panel);
 
 const ELEMENTS = {label: Widget, text: TextField, number: TextField, slider: Slider, knob: Slider, toggle: Toggle,
-  button: Button, choice: Choice, vector: Vector, joystick: Joystick, plot: Plot, image: Picture, map: Map2D,
+  button: Button, choice: Choice, vector: Vector, joystick: Joystick, plot: Plot, image: Picture,
   table: Table, marker: Marker, tree: Tree, group: Group};
+const OTHERS = new Set(["panel", "frame"]);
 for (const [kind, Element] of Object.entries(ELEMENTS))
   customElements.define(`rt-${kind}`, class extends Element {});
 
 export function widgetOf(gui) {
   const {kind, type} = gui.attributes;
-  const known = kind in ELEMENTS ? kind : "label";
+  const known = customElements.get(`rt-${kind}`) && !OTHERS.has(kind) ? kind : "label";
   return document.createElement(`rt-${known === "knob" && type === "boolean" ? "toggle" : known}`);
 }

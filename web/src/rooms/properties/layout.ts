@@ -1,0 +1,38 @@
+import { readGui, writeGui, type Gui } from './widgets';
+
+/** The kinds of widgets that one may choose from; "" is the usual one for the type. */
+export const KINDS = ['', 'label', 'text', 'number', 'slider', 'knob', 'toggle', 'choice', 'vector', 'joystick', 'plot', 'map', 'image', 'table', 'tree'] as const;
+
+/** One property of a page that was put together, and how it is drawn. */
+export interface Item { target: string; kind: string }
+
+/** A page that was put together: what it is called, and its properties in order. */
+export interface PageLayout { title: string; items: readonly Item[] }
+
+export const NO_LAYOUT: PageLayout = { title: '', items: [] };
+
+const gui = (attributes: Record<string, string>, children: Gui[] = []): Gui => ({ name: 'gui', attributes, children, leaf: null });
+
+/** A page as it is saved: a `<gui>` whose children name properties. */
+export const textOf = ({ title, items }: PageLayout): string => writeGui(gui(
+  { kind: 'group', label: title }, items.map(({ target, kind }) => gui({ name: target, ...(kind && { kind }) })),
+));
+
+/** Reads a page that was saved; throws where it is none. */
+export function layoutOf(text: string): PageLayout {
+  const { attributes, children } = readGui(text);
+  const items = children.flatMap(({ attributes: { name, kind } }) => (name ? [{ target: name, kind: kind ?? '' }] : []));
+  return { title: attributes['label'] ?? '', items };
+}
+
+/** The items with one moved by so many places. */
+export function moved(items: readonly Item[], index: number, by: number): readonly Item[] {
+  const to = index + by;
+  const item = items[index];
+  if (!item || to < 0 || to >= items.length) return items;
+  const rest = items.filter((_, at) => at !== index);
+  return [...rest.slice(0, to), item, ...rest.slice(to)];
+}
+
+/** A name that a file in a storage service may have. */
+export const isFileName = (name: string): boolean => /^[\w+~-]+$/.test(name) && !/^(properties|parameters|gui|listen|meta|history)$/.test(name);
