@@ -27,6 +27,7 @@ from rtkit.web.site import WebSite
 
 _BOUND_S = 2.0
 _SHOWN = ("state", "run", "status")
+_MOST_LETTERS = 4 << 20
 
 
 def routes(site: WebSite) -> list[Route]:
@@ -35,6 +36,7 @@ def routes(site: WebSite) -> list[Route]:
     return [
         Route("/api/machines", room.machines),
         Route("/api/machine/stream", room.stream),
+        Route("/api/machine/places", room.places),
         Route("/api/machine/stored", room.stored),
         Route("/api/machine/draft", room.draft, methods=["POST"]),
         Route("/api/machine/read", room.read, methods=["POST"]),
@@ -47,31 +49,45 @@ class _MachineRoom:
         self._site = site
 
     async def machines(self, _request: Request) -> Response:
-        """Answer all machines of this host and of those that are linked, and where to store."""
-        hosts = {each.place for each in self._site.managers} - {"localhost"}
-        found = await asyncio.to_thread(self._services, sorted(hosts))
-        files = await asyncio.to_thread(profiles_in, self._site.folders, ENDINGS)
-        return JSONResponse({**found, "folders": list(self._site.folders), "files": files})
+        """Answer the machines of this host and of those that are linked."""
+        return JSONResponse({"machines": await asyncio.to_thread(self._machines)})
 
-    def _services(self, hosts: list[str]) -> Record:
-        asks = [Ask(f"/{each}.services") for each in ("localhost", *hosts)]
-        lists = self._site.client.ask_all(asks, _BOUND_S)
-        services = [
-            f"/{host}/{each}" if host else str(each)
+    def _machines(self) -> list[Record]:
+        machines = [id for id, words in self._services().items() if "statemachine" in words]
+        answers = iter(self._ask(*(Ask(f"{id}.{name}") for id in machines for name in _SHOWN)))
+        return [{"id": id, **{name: str(next(answers)) for name in _SHOWN}} for id in machines]
+
+    async def places(self, _request: Request) -> Response:
+        """Answer where machines may be stored: in storage services, and in folders."""
+        stored = await asyncio.to_thread(self._stored)
+        files = await asyncio.to_thread(profiles_in, self._site.folders, ENDINGS)
+        folders = list(self._site.folders)
+        return JSONResponse({"stored": stored, "folders": folders, "files": files})
+
+    def _stored(self) -> list[str]:
+        """Return the properties of storage services whose names end as those of machines do."""
+        storages = [id for id, words in self._services().items() if "storage" in words]
+        asks = [(id, ending) for id in storages for ending in ENDINGS]
+        answers = self._ask(*(Ask(f"{id}.search", parameters={"name": f"*{e}"}) for id, e in asks))
+        found = zip(asks, answers, strict=True)
+        return sorted(f"{id}.{name}" for (id, _), names in found for name in _words(names))
+
+    def _services(self) -> dict[str, tuple[str, ...]]:
+        """Return the types of all services, by their paths."""
+        hosts = sorted({each.place for each in self._site.managers} - {"localhost"})
+        lists = self._ask(*(Ask(f"/{each}.services") for each in ("localhost", *hosts)))
+        ids = [
+            f"/{host}/{name}" if host else name
             for host, names in zip(("", *hosts), lists, strict=True)
-            if isinstance(names, tuple)
-            for each in names
+            for name in _words(names)
         ]
-        types = self._site.client.ask_all([Ask(f"{each}.type") for each in services], _BOUND_S)
-        kinds = {id: _words(each) for id, each in zip(services, types, strict=True)}
-        machines = [id for id, words in kinds.items() if "statemachine" in words]
-        asks = [Ask(f"{id}.{name}") for id in machines for name in _SHOWN]
-        answers = iter(self._site.client.ask_all(asks, _BOUND_S))
-        rows = [{"id": id, **{name: _shown(next(answers)) for name in _SHOWN}} for id in machines]
-        return {
-            "machines": rows,
-            "storages": [id for id, words in kinds.items() if "storage" in words],
-        }
+        return dict(
+            zip(ids, map(_words, self._ask(*(Ask(f"{id}.type") for id in ids))), strict=True)
+        )
+
+    def _ask(self, *asks: Ask) -> list[Any]:
+        """Return answers, and errors of those that do not answer."""
+        return self._site.client.ask_all(asks, _BOUND_S)
 
     async def stream(self, request: Request) -> Response:
         machine = _parameter(request, "of")
@@ -115,11 +131,6 @@ def _words(answer: Any) -> tuple[str, ...]:
     return tuple(map(str, answer)) if isinstance(answer, tuple) else ()
 
 
-def _shown(answer: Any) -> str:
-    """Return a value as a text; of what does not answer, why."""
-    return str(answer)
-
-
 def _parameter(request: Request, name: str) -> str:
     value = request.query_params.get(name, "")
     if not value or "?" in value:
@@ -130,9 +141,6 @@ def _parameter(request: Request, name: str) -> str:
 def _content(path: str) -> str:
     with open(path, encoding="utf-8") as stream:
         return stream.read(_MOST_LETTERS)
-
-
-_MOST_LETTERS = 4 << 20
 
 
 def _read(text: str) -> Record:

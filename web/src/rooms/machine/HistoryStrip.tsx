@@ -28,7 +28,7 @@ export function HistoryStrip({ log }: { log: readonly Entry[] }) {
         )}
       </header>
       {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- What scrolls must be reached by keys. */}
-      <div className="scroll" tabIndex={0} role="region" aria-label={texts.log}>
+      <div className="scroll" tabIndex={0} role="group" aria-label={texts.log}>
         {rows.length === 0 ? <p className="empty">{texts.noLog}</p> : (
           <table>
             <tbody>

@@ -5,7 +5,7 @@ import { download } from '../../parts/download';
 import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
 import { TextField } from './fields';
-import type { MachineRecord, Machines } from './types';
+import type { MachineRecord, Places } from './types';
 import { useMachineTexts } from './useMachine';
 
 const ENDINGS = { turtle: 'ttl', xml: 'rdf', scxml: 'scxml' } as const;
@@ -25,13 +25,13 @@ export function MachineFiles({ machine, service, isChanged, onOpen, onClose }: P
   const words = texts.saving;
   const { api, perform, canChange } = useEditor();
   const [problem, setProblem] = useState('');
-  const [places, setPlaces] = useState<Machines | null>(null);
+  const [places, setPlaces] = useState<Places | null>(null);
   const [source, setSource] = useState('');
   const [target, setTarget] = useState('');
   const [isReplaced, setReplaced] = useState(false);
   const id = useId();
   useEffect(() => {
-    api.get<Machines>('/api/machines').then(setPlaces, (error: unknown) => setProblem(sentence(error)));
+    api.get<Places>('/api/machine/places').then(setPlaces, (error: unknown) => setProblem(sentence(error)));
   }, [api]);
   const attempt = async (work: () => Promise<void>) => {
     setProblem('');

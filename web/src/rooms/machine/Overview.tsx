@@ -4,7 +4,7 @@ import { Icon } from '../../parts/icons';
 import { StateIcon } from '../../parts/StateIcon';
 import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
-import type { Machines } from './types';
+import type { MachineRow } from './types';
 import { useMachineTexts } from './useMachine';
 
 const LOOK_MS = 3000;
@@ -14,10 +14,10 @@ export const NEW = '+';
 export function Overview() {
   const texts = useMachineTexts();
   const { api, show, canChange } = useEditor();
-  const [found, setFound] = useState<Machines | null>(null);
+  const [found, setFound] = useState<MachineRow[] | null>(null);
   const [problem, setProblem] = useState('');
-  const look = useCallback(() => api.get<Machines>('/api/machines').then(
-    (machines) => { setFound(machines); setProblem(''); },
+  const look = useCallback(() => api.get<{ machines: MachineRow[] }>('/api/machines').then(
+    ({ machines }) => { setFound(machines); setProblem(''); },
     (error: unknown) => setProblem(sentence(error)),
   ), [api]);
   useEffect(() => {
@@ -32,11 +32,11 @@ export function Overview() {
         <button type="button" className="primary" disabled={!canChange} onClick={() => show('machine', NEW)}><Icon name="plus" />{texts.draw}</button>
       </header>
       {problem && <p className="error" role="alert">{problem}</p>}
-      {found === null ? <p className="empty">{texts.asking}</p> : found.machines.length === 0 ? <p className="empty">{texts.none}</p> : (
+      {found === null ? <p className="empty">{texts.asking}</p> : found.length === 0 ? <p className="empty">{texts.none}</p> : (
         <table>
           <thead><tr><th scope="col">{texts.name}</th><th scope="col">{texts.run}</th><th scope="col">{texts.state}</th></tr></thead>
           <tbody>
-            {found.machines.map((one) => (
+            {found.map((one) => (
               <tr key={one.id}>
                 <th scope="row"><button type="button" className="link" onClick={() => show('machine', one.id)}>{one.id}</button></th>
                 <td>{one.run in texts.runs ? <RunWord run={one.run as keyof typeof texts.runs} /> : <span className="warning">⚠ {one.run}</span>}</td>

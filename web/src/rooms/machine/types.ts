@@ -49,4 +49,5 @@ export interface Standing {
   variables: Record<string, string>;
 }
 export interface MachineRow { id: string; state: string; run: string; status: string }
-export interface Machines { machines: MachineRow[]; storages: string[]; stored: string[]; folders: string[]; files: string[] }
+/** Where machines are stored: properties of storage services, folders that were granted and files in them. */
+export interface Places { stored: string[]; folders: string[]; files: string[] }

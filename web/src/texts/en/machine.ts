@@ -17,7 +17,7 @@ export const machineTexts = {
   last: 'Last transition', atTime: (time: string) => `at ${time}`, withData: (data: string) => `by ${data}`,
 
   edit: 'Edit', addState: 'State', addInside: 'State inside', addFinal: 'Final state', addWay: 'Transition', remove: 'Delete', undo: 'Undo', redo: 'Redo',
-  apply: 'Apply …', create: 'Create …', discard: 'Discard', files: 'Files …',
+  apply: 'Apply …', create: 'Create …', discard: 'Discard', files: 'Open, save …',
   changes: (n: number) => (n === 1 ? '1 change is not applied.' : `${n} changes are not applied.`),
   stale: 'The machine was edited meanwhile by somebody else: what you drew would be refused.',
   keep: 'Keep mine, over theirs', takeTheirs: 'Take theirs',

@@ -18,7 +18,7 @@ export const machineTexts: MachineTexts = {
   last: '最後の遷移', atTime: (time) => time, withData: (data) => `原因: ${data}`,
 
   edit: '編集', addState: '状態', addInside: '内部の状態', addFinal: '終了状態', addWay: '遷移', remove: '削除', undo: '元に戻す', redo: 'やり直す',
-  apply: '適用…', create: '作成…', discard: '破棄', files: 'ファイル…',
+  apply: '適用…', create: '作成…', discard: '破棄', files: '開く・保存…',
   changes: (n) => `未適用の変更が ${n} 件あります。`,
   stale: '他の利用者が状態機械を編集しました。このままでは適用できません。',
   keep: '自分の編集で上書きする', takeTheirs: '相手の編集を採用する',
