@@ -117,10 +117,16 @@ class Browser:
         left, top, width, height = json.loads(self.awaited(look))
         return left, top, width, height
 
-    def mouse(self, kind: str, x: float, y: float) -> None:
+    def mouse(self, kind: str, x: float, y: float, *, is_control: bool = False) -> None:
         """Move, press or release the mouse: mouseMoved, mousePressed, mouseReleased."""
         given = {"button": "left", "buttons": 0 if kind == "mouseReleased" else 1, "clickCount": 1}
+        given["modifiers"] = 2 if is_control else 0
         self._do("Input.dispatchMouseEvent", type=kind, x=x, y=y, **given)
+
+    def touch(self, x: float, y: float) -> None:
+        """Touch a place with a finger, and let go."""
+        for kind, points in (("touchStart", [{"x": x, "y": y}]), ("touchEnd", [])):
+            self._do("Input.dispatchTouchEvent", type=kind, touchPoints=points)
 
     def click(self, selector: str) -> None:
         """Click the middle of an element."""
@@ -129,13 +135,18 @@ class Browser:
             self.mouse(kind, left + width / 2, top + height / 2)
 
     def key(
-        self, name: str, kinds: Sequence[str] = ("keyDown", "keyUp"), *, is_control: bool = False
+        self,
+        name: str,
+        kinds: Sequence[str] = ("keyDown", "keyUp"),
+        *,
+        is_control: bool = False,
+        is_shift: bool = False,
     ) -> None:
         """Press and release a key, as the page calls it: ArrowRight, Tab, Enter, a …"""
         code = _CODES.get(name, ord(name[0].upper()) if name.isalnum() else 0)
         text = {"Enter": "\r"}.get(name, name if len(name) == 1 else "")
         for kind in kinds:
-            more: dict[str, Any] = {"modifiers": 2} if is_control else {}
+            more: dict[str, Any] = {"modifiers": 2 * is_control + 8 * is_shift}
             more |= {"text": text} if text and kind == "keyDown" and not is_control else {}
             self._do("Input.dispatchKeyEvent", type=kind, key=name, windowsVirtualKeyCode=code,
                      **more)  # fmt: skip

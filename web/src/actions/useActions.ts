@@ -23,7 +23,8 @@ export function useActions(api: Api, toasts: Toasts): Actions {
   const [asked, setAsked] = useState<Asked | null>(null);
   const [history, setHistory] = useState(EMPTY_HISTORY);
   const latest = useRef(history);
-  const isMoving = useRef(false);
+  /** Ends when all that was asked for is done. The picture may show it before: who then undoes means that action. */
+  const running = useRef<Promise<unknown>>(Promise.resolve());
   const { add } = toasts;
 
   const change = useCallback((step: (history: History) => History) => {
@@ -48,7 +49,7 @@ export function useActions(api: Api, toasts: Toasts): Actions {
   const carryOut = useCallback(async (actions: Action[], label: string): Promise<Done | null> =>
     (await confirmed(actions, label)) ? api.act(actions, false) : null, [api, confirmed]);
 
-  const perform = useCallback(async (actions: Action[], label: string): Promise<boolean> => {
+  const tryOut = useCallback(async (actions: Action[], label: string): Promise<boolean> => {
     try {
       const done = await carryOut(actions, label);
       if (!done) return false;
@@ -64,17 +65,21 @@ export function useActions(api: Api, toasts: Toasts): Actions {
     }
   }, [add, carryOut, change, texts]);
 
+  const perform = useCallback((actions: Action[], label: string): Promise<boolean> => {
+    const done = tryOut(actions, label);
+    running.current = Promise.all([running.current, done]);
+    return done;
+  }, [tryOut]);
+
   const drop = useCallback((way: Way, entry: Entry) => () =>
     change((history) => ({ ...history, [way]: history[way].filter((one) => one !== entry) })), [change]);
 
-  const move = useCallback(async (way: Way): Promise<void> => {
+  const moveOne = useCallback(async (way: Way): Promise<void> => {
     const entry = latest.current[way].at(-1);
-    if (isMoving.current) return;
     if (!entry) {
       add({ level: 'info', title: way === 'undo' ? texts.toast.nothingToUndo : texts.toast.nothingToRedo, lines: [], command: '', canUndo: false });
       return;
     }
-    isMoving.current = true;
     const label = texts.label[way](entry.label);
     try {
       const done = await carryOut(entry.actions, label);
@@ -88,10 +93,14 @@ export function useActions(api: Api, toasts: Toasts): Actions {
       const left = { ...entry, refusal: sentence(error) };
       change((history) => moved(history, way, null, left));
       add({ level: 'error', title: texts.toast.failed(label), lines: [left.refusal], command: '', canUndo: false, onDrop: drop(way, left) });
-    } finally {
-      isMoving.current = false;
     }
   }, [add, carryOut, change, drop, texts]);
+
+  const move = useCallback((way: Way): Promise<void> => {
+    const moved = running.current.then(() => moveOne(way));
+    running.current = moved;
+    return moved;
+  }, [moveOne]);
 
   return useMemo(() => ({ asked, history, perform, move }), [asked, history, perform, move]);
 }
