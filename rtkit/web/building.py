@@ -14,7 +14,7 @@ from datetime import datetime
 from typing import Any
 
 from starlette.requests import Request
-from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from rtkit.api.live_records import Record
@@ -134,7 +134,7 @@ class _BuildingRoom:
         profile, findings = await asyncio.to_thread(read_form, form)
         if profile is None:
             raise Refused("; ".join(each.text for each in findings if each.level == ERROR))
-        return PlainTextResponse(write_profile(profile, kind).decode())
+        return JSONResponse({"text": write_profile(profile, kind).decode()})
 
     def _folder(self, body: Record) -> str:
         """Return the folder for the files, empty where none was granted.

@@ -57,6 +57,8 @@ class FileChange(NamedTuple):
         """Return the assignment of the file in a word."""
         if self.choice == KEEP:
             return MergeOutcome.KEEP.value
+        if self.choice == MERGE and self.three_way == self.old:
+            return MergeOutcome.SAME.value
         is_written = self.is_changed and (is_forced or self.choice in (REPLACE, MERGE))
         return (MergeOutcome.WRITE if is_written else self.merged.assignment).value
 

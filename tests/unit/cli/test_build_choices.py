@@ -78,6 +78,9 @@ def test_a_conflict_is_merged(place: Path, monkeypatch: pytest.MonkeyPatch, run:
     assert "more" in text
     assert "# mine\n" in (place / "Gain/Gain.py.bak").read_text()
     compile(text, "Gain.py", "exec")
+    again = run("rtbuild -v -o Gain --merge Gain.py Gain/RTC.xml")
+    assert (again.status, "unchanged  Gain/Gain.py" in again.out) == (0, True)
+    assert not (place / "Gain/Gain.py.bak2").exists()
 
 
 def test_a_file_is_kept_or_replaced(place: Path, monkeypatch: pytest.MonkeyPatch, run: Run) -> None:

@@ -12,6 +12,7 @@ export const ROOMS = {
   properties: lazy(() => import('../rooms/properties/PropertyRoom')),
   jobs: lazy(() => import('../rooms/jobs/JobsRoom')),
   machine: lazy(() => import('../rooms/machine/MachineRoom')),
+  builder: lazy(() => import('../rooms/builder/BuilderRoom')),
 } satisfies Record<string, Part>;
 
 export type RoomKind = keyof typeof ROOMS;

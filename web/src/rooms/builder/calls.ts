@@ -1,0 +1,63 @@
+import { useEffect, useState } from 'react';
+
+import { sentence, type Api } from '../../server/api';
+import type { Finding, Form } from './form';
+
+/** What would become of a file: its text as it is, as generated, and with the changes of both where they fit together. */
+export interface FilePreview {
+  path: string; name: string; fate: 'written' | 'unchanged' | 'kept' | 'conflict'; why: string | null; line: number;
+  before: string | null; after: string; merged: string | null;
+}
+/** What becomes of a file. Of a conflict nothing is left when the file has all that is new already. */
+export const fateOf = ({ fate, before, merged }: FilePreview): FilePreview['fate'] => (fate === 'conflict' && merged !== null && merged === before ? 'kept' : fate);
+
+export interface Preview {
+  findings: Finding[]; xml: string; files: FilePreview[]; notes: string[];
+  module: { path: string; init: string; type: string } | null;
+}
+export interface Opened { form: Form; xml: string; notes: string[] }
+export interface BuilderOffers { folders: string[]; files: string[]; types: string[] }
+export type Choice = 'keep' | 'replace' | 'merge';
+export interface Written { text: string; command: string; ok: boolean; error: string; output: string }
+
+export const offersOf = (api: Api) => api.get<BuilderOffers>('/api/builder');
+export const newForm = (api: Api, name: string) => api.post<Opened>('/api/builder/new', { name });
+export const openFile = (api: Api, file: string) => api.post<Opened>('/api/builder/open', { file });
+export const openText = (api: Api, name: string, text: string) => api.post<Opened>('/api/builder/open', { name, text });
+export const writeFiles = (api: Api, form: Form, folder: string, choices: Record<string, Choice>) =>
+  api.post<Written>('/api/builder/write', { form, folder, choices });
+export const exportedText = async (api: Api, form: Form, kind: string) => (await api.post<{ text: string }>('/api/builder/export', { form, kind })).text;
+
+/** A short pause in typing, after which the preview is asked for [ms]. */
+const PAUSE_MS = 250;
+
+export interface PreviewState { preview: Preview | null; isStale: boolean; error: string }
+
+/** What would be generated from a form, asked for again when typing pauses; `count` asks anew. */
+export function usePreview(api: Api, form: Form | null, folder: string, count: number): PreviewState {
+  const [state, setState] = useState<PreviewState & { of: Form | null }>({ preview: null, isStale: false, error: '', of: null });
+  useEffect(() => {
+    if (!form) return;
+    let isWanted = true;
+    const timer = setTimeout(() => {
+      api.post<Preview>('/api/builder/preview', { form, folder }).then(
+        (preview) => isWanted && setState({ preview, isStale: false, error: '', of: form }),
+        (error: unknown) => isWanted && setState((before) => ({ ...before, error: sentence(error), of: form })),
+      );
+    }, PAUSE_MS);
+    return () => {
+      isWanted = false;
+      clearTimeout(timer);
+    };
+  }, [api, form, folder, count]);
+  return { preview: form ? state.preview : null, isStale: state.of !== form, error: state.error };
+}
+
+export function download(text: string, name: string): void {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(new Blob([text], { type: 'text/plain' }));
+  link.download = name;
+  link.click();
+  // The browser reads the blob after the click has returned.
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
