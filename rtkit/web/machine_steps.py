@@ -58,13 +58,22 @@ def _keep(action: Action, _folders: Sequence[str]) -> CommandStep:
     return CommandStep(f"Save the machine {machine} as {target}", line, None, "it is written")
 
 
+def _store(action: Action, _folders: Sequence[str]) -> CommandStep:
+    """Store a text that was drawn, a state of a machine for another one."""
+    target, text = text_in(action, "target"), text_in(action, "text")
+    return CommandStep(f"Store a state as {target}", ("rtset", "--", target, "-"), None,
+                       "it is written", text)  # fmt: skip
+
+
 def _save(action: Action, folders: Sequence[str]) -> CommandStep:
     machine = text_in(action, "machine")
     file = granted(text_in(action, "file"), folders, is_new=True, endings=ENDINGS)
     if os.path.exists(file) and action.get("replace") is not True:
         raise Refused(f"{file} is there already")
     form = _FORMS[os.path.splitext(file)[1]]
-    line = ("rtget", "-p", f"form={form}", "-o", file, "--", f"{machine}.machine")
+    at = text_in(action, "at", "")
+    what = f"{machine}.machine.{at}" if at else f"{machine}.machine"
+    line = ("rtget", "-p", f"form={form}", "-o", file, "--", what)
     return CommandStep(f"Save the machine {machine} as {file}", line, None, "the file is written")
 
 
@@ -90,6 +99,7 @@ STEPS: Mapping[str, Callable[[Action, Sequence[str]], CommandStep]] = {
     "send_event": _event,
     "set_variable": _variable,
     "keep_machine": _keep,
+    "store_state": _store,
     "save_machine": _save,
     "create_machine": _create,
     "activate_machine": _activate,

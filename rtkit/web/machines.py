@@ -13,7 +13,7 @@ from starlette.routing import Route
 from rtkit import PropertyError
 from rtkit.api.asked import Ask
 from rtkit.api.live_records import Record
-from rtkit.errors import Malformed, Refused
+from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.services.statemachine.model import BadMachine
 from rtkit.services.statemachine.rdf import write_machine
 from rtkit.services.statemachine.texts import as_rdf_xml, read_text
@@ -95,7 +95,7 @@ class _MachineRoom:
         return Streaming(news, media_type="text/event-stream")
 
     async def stored(self, request: Request) -> Response:
-        """Answer the machine in a property of a storage, or in a file of a folder."""
+        """Answer the text in a property of a storage, or in a file of a folder."""
         file = request.query_params.get("file", "")
         if file:
             path = granted(file, self._site.folders, endings=ENDINGS)
@@ -103,7 +103,7 @@ class _MachineRoom:
         else:
             target = _parameter(request, "target")
             text = await asyncio.to_thread(self._property, target)
-        return JSONResponse({"machine": await asyncio.to_thread(_read, text)})
+        return JSONResponse({"text": text})
 
     def _property(self, target: str) -> str:
         try:
@@ -116,14 +116,17 @@ class _MachineRoom:
         return JSONResponse(await asyncio.to_thread(_answer, record))
 
     async def read(self, request: Request) -> Response:
-        text = (await body_of(request)).get("text")
-        if not isinstance(text, str):
-            raise Malformed("text: a text is wanted")
-        return JSONResponse({"machine": await asyncio.to_thread(_read, text)})
+        """Answer the machine that a text is, or another one with the state that it is."""
+        body = await body_of(request)
+        text, at = _text(body, "text"), _text(body, "at")
+        record = body.get("machine") if at else None
+        return JSONResponse({"machine": await asyncio.to_thread(_read, text, record, at)})
 
     async def write(self, request: Request) -> Response:
+        """Answer the text of a machine, or of a state with all inside it."""
         body = await body_of(request)
-        text = await asyncio.to_thread(_written, body.get("machine"), body.get("form"))
+        form, at = _text(body, "form"), _text(body, "at")
+        text = await asyncio.to_thread(_written, body.get("machine"), form, at)
         return JSONResponse({"text": text})
 
 
@@ -143,9 +146,16 @@ def _content(path: str) -> str:
         return stream.read(_MOST_LETTERS)
 
 
-def _read(text: str) -> Record:
+def _text(body: Record, key: str) -> str:
+    value = body.get(key, "")
+    if not isinstance(value, str):
+        raise Malformed(f"{key}: a text is wanted")
+    return value
+
+
+def _read(text: str, record: object, at: str) -> Record:
     try:
-        return record_of(read_text(text))
+        return record_of(read_text(text, draft_of(record).machine if at else None, at))
     except BadMachine as error:
         raise Malformed(f"this is no machine: {error}") from None
 
@@ -160,16 +170,18 @@ def _answer(record: object) -> Record:
     }
 
 
-def _written(record: object, form: object) -> str:
+def _written(record: object, form: str, at: str) -> str:
     draft = draft_of(record)
     wrong = next((each for each in draft.problems if not each.is_odd), None)
     if wrong is not None:
         raise Refused(f"{wrong.state or 'the machine'}: {wrong.text}")
-    if form == "scxml":
+    if at and at not in draft.machine.states:
+        raise NotFound(f"No such state: {at}")
+    if form == "scxml" and not at:
         from rtkit.services.statemachine.scxml import write_scxml
 
         return write_scxml(draft.machine)
-    text = write_machine(draft.machine)
+    text = write_machine(draft.machine, at)
     if form not in ("turtle", "xml"):
-        raise Malformed(f"form: turtle, xml, scxml, not {form!r}")
+        raise Malformed(f"form: turtle, xml, of a whole machine scxml, not {form!r}")
     return as_rdf_xml(text) if form == "xml" else text

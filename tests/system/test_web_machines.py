@@ -141,11 +141,9 @@ def test_machines_are_listed_and_kept_in_storages_and_folders(
     assert answer.body["error"]["text"] == f"{file} is there already"
     places = client.ask("GET", "/api/machine/places").body
     assert places == {"stored": ["files.oven.ttl"], "folders": [str(folder)], "files": [file]}
-    records = [
-        client.ask("GET", f"/api/machine/stored?{each}").body["machine"]
-        for each in ("target=files.oven.ttl", f"file={file}")
-    ]
-    for record in records:
+    for each in ("target=files.oven.ttl", f"file={file}"):
+        text = client.ask("GET", f"/api/machine/stored?{each}").body["text"]
+        record = client.post("/api/machine/read", {"text": text})["machine"]
         assert {each["path"] for each in record["states"]} == {
             "idle", "cooking", "cooking.heat", "cooking.rest", "end"
         }  # fmt: skip
@@ -170,6 +168,30 @@ def test_a_machine_is_the_same_after_it_was_written_and_read(
     for each in (again, record):
         each["states"].sort(key=lambda state: str(state["path"]))
     assert again == record
+
+
+def test_a_state_is_stored_and_put_into_another_machine(
+    client: WebClient, oven: Shell, folder: Path
+) -> None:
+    text = oven.ok("rtget --raw oven.machine")
+    record = client.post("/api/machine/read", {"text": text})["machine"]
+    given = {"machine": record, "form": "turtle", "at": "cooking"}
+    part = client.post("/api/machine/write", given)["text"]
+    client.do({"do": "store_state", "target": "files.cooking.ttl", "text": part})
+    file = f"{folder}/cooking.ttl"
+    client.do({"do": "save_machine", "machine": "oven", "file": file, "at": "cooking"})
+    for each in ("target=files.cooking.ttl", f"file={file}"):
+        text = client.ask("GET", f"/api/machine/stored?{each}").body["text"]
+        # It leads to states that are there where it is put.
+        states = [{"path": "idle"}, {"path": "end"}, {"path": "on"}, {"path": "on.a"}]
+        states[2]["initial"] = "on.a"
+        other = {"name": "other", "initial": "idle", "states": states}
+        given = {"text": text, "machine": other, "at": "on.part1"}
+        found = client.post("/api/machine/read", given)["machine"]
+        paths = {each["path"] for each in found["states"]}
+        assert paths >= {"on.part1", "on.part1.heat", "on.part1.rest"}
+    given = {"machine": record, "form": "scxml", "at": "cooking"}
+    assert client.ask("POST", "/api/machine/write", given).status == 400
 
 
 def test_rubbish_is_refused_with_its_line(client: WebClient) -> None:
@@ -213,7 +235,7 @@ def test_nothing_is_changed_from_a_page_that_only_reads(oven: Shell) -> None:
 
 @pytest.mark.timeout(240)
 def test_100_edits_under_load_lose_no_event_and_none_is_half_done(
-    client: WebClient, machines: Shell
+    client: WebClient, machines: Shell, request: pytest.FixtureRequest
 ) -> None:
     put(machines, "busy", busy(0))
     machines.ok("rtset busy.run start")
@@ -227,6 +249,9 @@ def test_100_edits_under_load_lose_no_event_and_none_is_half_done(
         for number in range(1, 101):
             edit = {"do": "edit_machine", "machine": "busy", "text": busy(number)}
             client.do({**edit, "edits": count + number - 1})
+            if number == 50 and browser.NAME is not None:
+                edit_by_page(request.getfixturevalue("window"))
+                count += 1
         out, _ = load.communicate()
     sent, counted, halves = map(int, out.split())
     assert (counted, halves) == (sent, 0)
@@ -294,6 +319,15 @@ def key(page: browser.Browser, name: str, **given: Any) -> None:
     """Press a key that belongs to the room, not to a field."""
     page.evaluate("document.activeElement.blur()")
     page.key(name, **given)
+
+
+def edit_by_page(page: browser.Browser) -> None:
+    show(page, "busy", is_there(f"{node('on')} .is-active"))
+    key(page, "n")
+    page.wait_for(is_there(node("state1")))
+    page.press("Apply …")
+    page.press("Apply")
+    page.wait_for(f"!({is_there('dialog[open]')})")
 
 
 @needs_browser

@@ -129,7 +129,8 @@ export type MachineAction =
   | { do: 'send_event'; machine: string; name: string }
   | { do: 'set_variable'; machine: string; name: string; value: string }
   | { do: 'keep_machine'; machine: string; target: string }
-  | { do: 'save_machine'; machine: string; file: string; replace: boolean }
+  | { do: 'store_state'; target: string; text: string }
+  | { do: 'save_machine'; machine: string; file: string; replace: boolean; at: string }
   | { do: 'create_machine'; manager: string; name: string; service: string }
   | { do: 'activate_machine'; manager: string; name: string };
 

@@ -1,6 +1,6 @@
 import '@xyflow/react/dist/base.css';
 
-import { Background, BackgroundVariant, ConnectionLineType, MiniMap, ReactFlow, ReactFlowProvider, getViewportForBounds, useReactFlow, type FinalConnectionState } from '@xyflow/react';
+import { Background, BackgroundVariant, ConnectionLineType, MiniMap, ReactFlow, ReactFlowProvider, getViewportForBounds, useReactFlow, useStore, type FinalConnectionState } from '@xyflow/react';
 import { useEffect, useRef, useState, type KeyboardEvent } from 'react';
 
 import { CanvasTools } from '../../canvas/CanvasTools';
@@ -35,6 +35,7 @@ function Drawn({ onSelect, onOpen, onWay, ...given }: Props) {
   ].filter(Boolean).join(', ')));
   const edges = buildEdges(given, texts.wayLabel);
 
+  const paneWidth = useStore((state) => state.width);
   const shape = Object.keys(layout.boxes).join('\n');
   const size = useRef(layout);
   useEffect(() => {
@@ -45,7 +46,7 @@ function Drawn({ onSelect, onOpen, onWay, ...given }: Props) {
     const pane = wrapper.current?.getBoundingClientRect();
     // `fitView` would wait for the next change of a box; the layout knows where all of them are.
     if (pane?.width) void flow.setViewport(getViewportForBounds({ x: 0, y: 0, width, height }, pane.width, pane.height, MIN_ZOOM, FIT.maxZoom, FIT.padding));
-  }, [flow, shape]);
+  }, [flow, shape, paneWidth]);
 
   const go = (heading: Heading) => {
     const from = layout.boxes[selected] ? selected : Object.keys(layout.boxes)[0];

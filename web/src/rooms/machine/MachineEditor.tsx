@@ -156,7 +156,7 @@ function Drawn({ service, system, live, draft, drafting }: DrawnProps) {
         <CreateMachineDialog system={system} name={machine.name} text={answered?.answer.text ?? ''} onClose={() => setOpen(null)}
           onCreated={(made) => { forgetDraft(''); show('machine', made); }} />
       )}
-      {open?.kind === 'files' && <MachineFiles machine={machine} service={service} isChanged={changed} onOpen={(made) => drafting.change(() => made)} onClose={() => setOpen(null)} />}
+      {open?.kind === 'files' && <MachineFiles selected={chosen?.path ?? ''} machine={machine} service={service} isChanged={changed} onOpen={(made) => drafting.change(() => made)} onClose={() => setOpen(null)} />}
       {open?.kind === 'way' && <WayDialog machine={machine} from={open.from} onClose={() => setOpen(null)} onDraw={(to, on) => { setOpen(null); addWay(open.from, to, on); }} />}
     </div>
   );

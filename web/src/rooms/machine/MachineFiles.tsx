@@ -3,8 +3,10 @@ import { useEffect, useId, useState } from 'react';
 import { Modal } from '../../parts/Modal';
 import { download } from '../../parts/download';
 import { sentence } from '../../server/api';
+import type { MachineAction } from '../../model/types';
 import { useEditor } from '../../shell/contexts';
-import { TextField } from './fields';
+import { added, nameOf } from './draft';
+import { ChoiceField, TextField } from './fields';
 import type { MachineRecord, Places } from './types';
 import { useMachineTexts } from './useMachine';
 
@@ -16,11 +18,13 @@ interface Props {
   /** The service that lives; empty of a machine that is drawn only. */
   service: string;
   isChanged: boolean;
+  /** The state that is selected: it may be saved, or another one opened inside it. */
+  selected: string;
   onOpen: (machine: MachineRecord) => void; onClose: () => void;
 }
 
 /** Files: what is drawn is saved by the browser, what lives by its service; both are opened into the draft. */
-export function MachineFiles({ machine, service, isChanged, onOpen, onClose }: Props) {
+export function MachineFiles({ machine, service, isChanged, selected, onOpen, onClose }: Props) {
   const texts = useMachineTexts();
   const words = texts.saving;
   const { api, perform, canChange } = useEditor();
@@ -29,6 +33,7 @@ export function MachineFiles({ machine, service, isChanged, onOpen, onClose }: P
   const [source, setSource] = useState('');
   const [target, setTarget] = useState('');
   const [isReplaced, setReplaced] = useState(false);
+  const [part, setPart] = useState('');
   const id = useId();
   useEffect(() => {
     api.get<Places>('/api/machine/places').then(setPlaces, (error: unknown) => setProblem(sentence(error)));
@@ -41,28 +46,31 @@ export function MachineFiles({ machine, service, isChanged, onOpen, onClose }: P
       setProblem(sentence(error));
     }
   };
+  const written = async (form: Form) => (await api.post<{ text: string }>('/api/machine/write', { machine, form, at: part })).text;
   const save = (form: Form) => attempt(async () => {
-    const { text } = await api.post<{ text: string }>('/api/machine/write', { machine, form });
-    download(new Blob([text], { type: form === 'turtle' ? 'text/turtle' : 'application/xml' }), `${machine.name}.${ENDINGS[form]}`);
+    download(new Blob([await written(form)], { type: form === 'turtle' ? 'text/turtle' : 'application/xml' }), `${part ? nameOf(part) : machine.name}.${ENDINGS[form]}`);
   });
-  const take = (found: MachineRecord) => {
-    onOpen(found);
+  const take = async (text: string) => {
+    const at = part && added(machine, part, 'part')[1];
+    onOpen((await api.post<{ machine: MachineRecord }>('/api/machine/read', { text, at, ...(at && { machine }) })).machine);
     onClose();
   };
-  const upload = (file: File | undefined) => file && attempt(async () => take((await api.post<{ machine: MachineRecord }>('/api/machine/read', { text: await file.text() })).machine));
+  const upload = (file: File | undefined) => file && attempt(async () => take(await file.text()));
   const fetchIt = () => attempt(async () => {
     const query = source.startsWith('/') && places?.files.includes(source) ? `file=${encodeURIComponent(source)}` : `target=${encodeURIComponent(source)}`;
-    take((await api.get<{ machine: MachineRecord }>(`/api/machine/stored?${query}`)).machine);
+    await take((await api.get<{ text: string }>(`/api/machine/stored?${query}`)).text);
   });
   const isFile = places?.folders.some((folder) => target.startsWith(`${folder}/`)) ?? false;
   const keep = () => attempt(async () => {
-    const action = isFile ? { do: 'save_machine' as const, machine: service, file: target, replace: isReplaced } : { do: 'keep_machine' as const, machine: service, target };
+    const action: MachineAction = isFile ? { do: 'save_machine', machine: service, file: target, replace: isReplaced, at: part }
+      : part ? { do: 'store_state', target, text: await written('turtle') } : { do: 'keep_machine', machine: service, target };
     if (await perform([action], texts.label.save(service, target))) onClose();
   });
   return (
     <Modal title={words.title} className="machine-files" onClose={onClose}>
+      {selected && <ChoiceField label={words.what} value={part} choices={[['', words.whole], [selected, words.part(selected)]]} onChange={setPart} />}
       <h3>{words.download}</h3>
-      <div className="buttons">{(Object.keys(ENDINGS) as Form[]).map((form) => <button key={form} type="button" onClick={() => void save(form)}>{words.forms[form]}</button>)}</div>
+      <div className="buttons">{(Object.keys(ENDINGS) as Form[]).map((form) => <button key={form} type="button" disabled={form === 'scxml' && part !== ''} onClick={() => void save(form)}>{words.forms[form]}</button>)}</div>
       <h3>{words.upload}</h3>
       <label className="field"><span className="unseen">{words.browse}</span><input type="file" accept=".ttl,.rdf,.xml,.scxml" onChange={(event) => void upload(event.target.files?.[0])} /></label>
       <h3>{words.from}</h3>

@@ -58,7 +58,7 @@ export const machineTexts = {
     wrong: 'Mend first what is wrong in the machine.',
   },
   saving: {
-    title: 'Files of the machine', download: 'Save what is drawn', forms: { turtle: 'RDF (Turtle)', xml: 'RDF/XML', scxml: 'SCXML' }, upload: 'Open a file', browse: 'Choose a file …',
+    title: 'Files of the machine', what: 'What is saved, and where it is opened', whole: 'The whole machine', part: (path: string) => `The state ${path} with all inside it; what is opened is put inside it`, download: 'Save what is drawn', forms: { turtle: 'RDF (Turtle)', xml: 'RDF/XML', scxml: 'SCXML' }, upload: 'Open a file', browse: 'Choose a file …',
     from: 'From a storage or folder', source: 'Property of a storage, or file', fetch: 'Open', to: 'Save the machine that lives', target: 'Property of a storage, or file in a folder',
     save: 'Save', replace: 'Replace the file if it is there', noFolder: 'The page may use no folder. Start it with “rtkit web --root FOLDER” to open and save machines there.',
     notApplied: 'What is not applied is not saved by this.', close: 'Close',

@@ -59,7 +59,7 @@ export const machineTexts: MachineTexts = {
     wrong: '先に状態機械の問題を直してください。',
   },
   saving: {
-    title: '状態機械のファイル', download: '描いたものを保存', forms: { turtle: 'RDF (Turtle)', xml: 'RDF/XML', scxml: 'SCXML' }, upload: 'ファイルを開く', browse: 'ファイルを選択…',
+    title: '状態機械のファイル', what: '保存する範囲と開く場所', whole: '状態機械全体', part: (path) => `状態 ${path} とその内部 (開くものはその内部に入る)`, download: '描いたものを保存', forms: { turtle: 'RDF (Turtle)', xml: 'RDF/XML', scxml: 'SCXML' }, upload: 'ファイルを開く', browse: 'ファイルを選択…',
     from: 'ストレージまたはフォルダーから', source: 'ストレージのプロパティまたはファイル', fetch: '開く', to: '動作中の状態機械を保存', target: 'ストレージのプロパティまたはフォルダー内のファイル',
     save: '保存', replace: 'ファイルがあれば置き換える', noFolder: '使えるフォルダーがありません。「rtkit web --root FOLDER」で開始すると、状態機械を開いたり保存したりできます。',
     notApplied: '未適用の変更は保存されません。', close: '閉じる',
