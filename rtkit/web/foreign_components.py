@@ -6,20 +6,13 @@ without the token: a frame cannot send that.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from secrets import token_urlsafe
 from time import monotonic
 
 from rtkit.errors import NotFound
-from rtkit.wires.http.pages import COMPONENT_POLICY
 
 _GOOD_S = 30.0
 _MOST = 64
-HEADERS: Mapping[str, str] = {
-    "Content-Security-Policy": COMPONENT_POLICY,
-    "X-DNS-Prefetch-Control": "off",
-    "Permissions-Policy": "camera=(), microphone=(), geolocation=(), clipboard-write=()",
-}
 
 
 class ForeignComponents:

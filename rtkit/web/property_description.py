@@ -87,7 +87,7 @@ class PropertyDescriptions:
             attributes = {"kind": "label", "name": item.name, "access": "r", "away": str(error)}
             found = Panel(attributes)
         is_group = found.kind == "group"
-        mine = ("label",) if is_group else ("label", "kind")
+        mine = ("label",) if is_group else ("label", "kind", "min", "max", "step")
         asked = {key: text for key, text in item.attributes.items() if key in mine}
         label = {} if is_group else {"label": item.name}
         frame = {"frame": "world"} if "layers" in more else {}

@@ -17,7 +17,7 @@ from rtkit.api.asked import Ask
 from rtkit.api.live_records import Record
 from rtkit.errors import Malformed, NotFound
 from rtkit.panel.description import Panel, read_panel
-from rtkit.web.foreign_components import HEADERS, ForeignComponents
+from rtkit.web.foreign_components import ForeignComponents
 from rtkit.web.pages import NOTICE, PageStream
 from rtkit.web.property_description import PropertyDescriptions
 from rtkit.web.property_services import PropertyServices
@@ -25,6 +25,7 @@ from rtkit.web.property_watches import PropertyWatch
 from rtkit.web.replies import body_of
 from rtkit.web.rest_values import ResettingValues, Rest
 from rtkit.web.site import WebSite
+from rtkit.wires.http.pages import COMPONENT_HEADERS
 
 _BOUND_S = 5.0
 _LONGEST_REST_S = 2.0
@@ -121,7 +122,8 @@ class _PropertyRoom:
     async def shown_component(self, request: Request) -> Response:
         if request.headers.get("sec-fetch-dest", "iframe") != "iframe":
             raise NotFound("this is for a frame")
-        return HTMLResponse(self._components.take(request.path_params["id"]), headers=HEADERS)
+        code = self._components.take(request.path_params["id"])
+        return HTMLResponse(code, headers=dict(COMPONENT_HEADERS))
 
     async def _set(self, target: str, text: str) -> None:
         await self._run(partial(self._client.payload, Ask(target, text), _BOUND_S))

@@ -9,7 +9,7 @@ const GOOD: Told = { quality: 'good', code: '', isRaw: false };
 
 describe('a page that was put together', () => {
   it('is read as it was saved', () => {
-    const layout = { title: 'A "home" <1>', items: [{ target: 'robots/r1.location', kind: 'map' }, { target: '/localhost/A 0.rtc.state', kind: '' }] };
+    const layout = { title: 'A "home" <1>', items: [{ target: 'robots/r1.location', kind: 'map' }, { target: 'a.b', kind: 'slider', min: '-1', max: '1' }, { target: '/localhost/A 0.rtc.state', kind: '' }] };
     expect(layoutOf(textOf(layout))).toEqual(layout);
   });
   it('has its items moved within its bounds', () => {
@@ -58,7 +58,14 @@ const found = (panel: PanelElement, selector: string): HTMLElement => {
   if (!element) throw new Error(`${selector} is not there`);
   return element;
 };
-const frame = () => new Promise((done) => requestAnimationFrame(done));
+
+// jsdom lays nothing out: all is seen.
+class Observer {
+  constructor(private readonly tell: (entries: { isIntersecting: boolean }[]) => void) {}
+  observe = () => this.tell([{ isIntersecting: true }]);
+  disconnect = () => undefined;
+}
+Object.assign(globalThis, { IntersectionObserver: Observer });
 
 beforeEach(() => {
   document.body.replaceChildren();
@@ -121,7 +128,7 @@ describe('a map', () => {
     panel.show('r.location', '(1 2 0 0 0 0)', GOOD);
     panel.show('w.hall', '((0 0) (4 0) (4 4) (0 4))', GOOD);
     panel.show('m.markers', '(<marker><location>(3 3)</location><name>ball</name></marker> <marker><location>(9 9)</location><frame>base</frame></marker>)', GOOD);
-    await frame();
+    await vi.waitFor(() => expect(panel.querySelector('svg.map text')).not.toBeNull());
     return panel;
   };
   const choose = (panel: PanelElement, tool: string, target: string) => {
@@ -132,8 +139,7 @@ describe('a map', () => {
     const panel = await shown();
     expect([...panel.querySelectorAll('svg.map text')].map((one) => one.textContent)).toEqual(['hall', 'r', 'ball']);
     panel.show('r.location', '(2 2 0 0 0 0)', GOOD);
-    await frame();
-    expect(found(panel, 'rt-map ul').textContent).toContain('r: 2 2');
+    await vi.waitFor(() => expect(found(panel, 'rt-map ul').textContent).toContain('r: 2 2'));
   });
   it('offers what takes a marker or an area', async () => {
     const panel = await shown();

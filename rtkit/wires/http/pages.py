@@ -19,11 +19,20 @@ POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
     f"connect-src 'self'; frame-src 'self'; frame-ancestors 'none'; {_NEVER}"
 )
-COMPONENT_POLICY = (
+_COMPONENT_POLICY = (
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; "
     f"style-src 'unsafe-inline'; img-src data: blob:; frame-ancestors 'self'; {_NEVER}"
 )
-"""The policy of the HTML that a service brings along: no origin, no network, in a frame only."""
+COMPONENT_HEADERS = (
+    ("Content-Security-Policy", _COMPONENT_POLICY),
+    ("Connection-Allowlist", "()"),
+    ("Permissions-Policy", "camera=(), microphone=(), geolocation=(), clipboard-write=()"),
+)
+"""Headers of the HTML that a service brings along: no origin, no network, in a frame only.
+
+The policy does not hold for WebRTC and for connections that are made in advance; the list does, in
+browsers that know it.
+"""
 _FILES = {
     "/static/frames.js": "text/javascript",
     "/static/map.js": "text/javascript",
@@ -58,5 +67,4 @@ def framed(response: Response, uri: str, headers: Mapping[str, str]) -> Response
         return response
     if not _COMPONENT.search(uri):
         return response
-    policy = ("Content-Security-Policy", COMPONENT_POLICY)
-    return response._replace(content_type=_HTML, more=(*response.more, policy))
+    return response._replace(content_type=_HTML, more=(*response.more, *COMPONENT_HEADERS))

@@ -16,11 +16,12 @@ from rtkit.panel.description import Panel, element_of, read_panel
 from rtkit.panel.generic import generic
 from rtkit.property.reading import read
 from rtkit.property.writing import write
-from rtkit.web.foreign_components import HEADERS, ForeignComponents
+from rtkit.web.foreign_components import ForeignComponents
 from rtkit.web.property_description import PropertyDescriptions, watched
 from rtkit.web.property_pages import set_line
 from rtkit.web.property_services import PropertyServices
 from rtkit.web.property_watches import shown_of
+from rtkit.wires.http.pages import COMPONENT_HEADERS
 
 ROBOT = (
     '<gui kind="group" name="" type="(mobilerobot)">'
@@ -174,7 +175,7 @@ def test_an_address_of_a_component_is_good_once_and_its_policy_has_no_network() 
     assert components.take(id) == "<p>code</p>"
     with pytest.raises(NotFound):
         components.take(id)
-    policy = HEADERS["Content-Security-Policy"]
+    policy = dict(COMPONENT_HEADERS)["Content-Security-Policy"]
     assert "sandbox allow-scripts;" in policy
     assert "default-src 'none'" in policy
     assert "connect-src" not in policy

@@ -13,7 +13,7 @@ export const mapWords = {
 };
 
 const STEP = 0.1, WIDE_STEP = 1;
-const MOST_LISTED = 50, MOST_NAMED = 4, MARK_PX = 8;
+const MOST_LISTED = 50, MOST_NAMED = 4, MARK_PX = 8, PAINT_MS = 100;
 const rounded = (number) => +number.toFixed(2);
 const isOutline = (value) => Array.isArray(value) && value.length > 2 && value.every((each) => isVector(each) && each.length > 1);
 
@@ -67,6 +67,11 @@ class MapView extends Widget {
     this.view = drawn("svg", {class: "map", role: "img", "aria-labelledby": `${this.id}-name`});
     this.list = make("ul");
     body.append(this.view, ...(this.source.isReadOnly ? [] : [this.tools()]), this.list);
+    this.seenBy = new IntersectionObserver(([last]) => {
+      this.isSeen = last.isIntersecting;
+      if (this.isSeen) this.redraw();
+    });
+    this.seenBy.observe(body);
     this.view.addEventListener("click", (event) => this.click(event));
     this.view.addEventListener("keydown", (event) => this.key(event));
   }
@@ -195,14 +200,17 @@ class MapView extends Widget {
     this.redraw();
   }
 
-  // Once a frame, whatever has come meanwhile.
+  // Now and then, whatever has come meanwhile, and only where somebody sees it.
   redraw() {
-    this.due ??= requestAnimationFrame(() => { this.due = undefined; this.paint(); });
+    if (!this.isSeen || this.due) return;
+    const late = PAINT_MS - (performance.now() - (this.painted ?? -PAINT_MS));
+    this.due = setTimeout(() => requestAnimationFrame(() => { this.due = undefined; this.paint(); }), Math.max(0, late));
   }
 
   disconnectedCallback() {
-    cancelAnimationFrame(this.due);
-    this.due = undefined;
+    this.seenBy?.disconnect();
+    clearTimeout(this.due);
+    this.isSeen = false;
   }
 
   found() {
@@ -214,9 +222,12 @@ class MapView extends Widget {
   }
 
   paint() {
+    this.painted = performance.now();
     const found = this.found(), places = found.filter((each) => each.at), outlines = found.filter((each) => each.outline);
     if (!this.tool) this.frameView([[0, 0], ...places.map((each) => each.at), ...outlines.flatMap((each) => each.outline), ...this.corners]);
-    for (const each of places) each.isOneOfMany = places.filter(({name}) => name === each.name).length > MOST_NAMED;
+    const named = new Map();
+    for (const {name} of places) named.set(name, (named.get(name) ?? 0) + 1);
+    for (const each of places) each.isOneOfMany = named.get(each.name) > MOST_NAMED;
     const {low, size} = this.seen, {clientWidth, clientHeight} = this.view;
     // Marks are of one size on the screen, whatever the map shows.
     const unit = clientWidth ? MARK_PX * Math.max(size[0] / clientWidth, size[1] / clientHeight) : Math.max(...size) / 40;

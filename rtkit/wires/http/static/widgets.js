@@ -42,8 +42,10 @@ export function shown(value, text) {
   return typeof value === "string" ? value : text;
 }
 
-// What is longer than its place is scrolled, by keys too.
+const LONG = 200;
+// What is longer than its place is scrolled, by keys too. A look at that costs a layout: short texts need none.
 export function scrolled(element) {
+  if (element.textContent.length < LONG) return;
   if (element.scrollHeight > element.clientHeight) element.tabIndex = 0;
   else element.removeAttribute("tabindex");
 }
@@ -327,14 +329,14 @@ class Button extends Widget {
       const widget = widgetOf(argument);
       const asMarker = (text) => each.attributes.type === "marker" && text && !text.startsWith("<")
         ? `<marker><location>(${text.replace(/[()]/g, "")})</location></marker>` : text;
-      const source = {set: async (name, text) => { this.given.set(name, asMarker(text)); widget.show(text, {isRaw: each.attributes.type === "marker"}); }};
+      const source = {isReadOnly: this.readOnly, set: async (name, text) => { this.given.set(name, asMarker(text)); widget.show(text, {isRaw: each.attributes.type === "marker"}); }};
       widget.begin(argument, source);
       if (each.attributes.default) widget.show(each.attributes.default);
       body.append(widget);
     }
     const name = this.caption.textContent;
     this.field = make("button", {type: "button", "aria-describedby": `${this.id}-name`, disabled: this.readOnly}, name);
-    this.stop = make("button", {type: "button", hidden: true, "aria-label": words.stopOf(name)}, words.stop);
+    this.stop = make("button", {type: "button", hidden: true, disabled: this.readOnly, "aria-label": words.stopOf(name)}, words.stop);
     this.progress = make("progress", {hidden: true, "aria-label": words.progressOf(name)});
     this.out = make("output", {"aria-live": "polite"});
     this.field.addEventListener("click", () => this.start(inputs));
@@ -669,6 +671,7 @@ export class Panel extends HTMLElement {
   draw(gui, source) {
     const group = make("rt-group");
     this.replaceChildren(group);
+    this.known = null;
     this.root = gui.attributes.kind === "group" ? gui : {attributes: {kind: "group", name: ""}, children: [gui]};
     group.begin(this.root, source);
   }
@@ -695,14 +698,23 @@ export class Panel extends HTMLElement {
       if (wasOpen) newer?.opener.click();
     }
     this.root = now[0];
+    this.known = null;
   }
 
   // What shows a property, or, with `isBelow`, also what shows something that it is a part of.
   show(name, text, told) {
+    this.known ??= this.shownBy();
+    for (const each of this.known.get(name) ?? []) each.show(text, told);
+    for (const each of this.known.get("rt-map")) each.overlay?.(name, text, told);
+    for (const each of this.known.get("rt-frame")) each.pass(name, text);
+  }
+
+  // The widgets by the names that they show; it stays so until something is drawn anew.
+  shownBy() {
+    const found = new Map(["rt-map", "rt-frame"].map((each) => [each, [...this.querySelectorAll(each)]]));
     for (const each of this.querySelectorAll("[data-name]"))
-      if (each.show && each.dataset.name === name && !each.closest("rt-button rt-text")) each.show(text, told);
-    for (const each of this.querySelectorAll("rt-map")) each.overlay?.(name, text, told);
-    for (const each of this.querySelectorAll("rt-frame")) each.pass(name, text);
+      if (each.show && !each.parentElement.closest("rt-button")) found.set(each.dataset.name, [...(found.get(each.dataset.name) ?? []), each]);
+    return found;
   }
 
   // Locks all while its service is not there: what is shown is what was known last.

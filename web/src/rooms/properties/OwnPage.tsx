@@ -5,7 +5,7 @@ import { sentence } from '../../server/api';
 import { useRoomTexts } from '../../texts';
 import { propertiesTexts as en } from '../../texts/en/properties';
 import { propertiesTexts as ja } from '../../texts/ja/properties';
-import { KINDS, isFileName, layoutOf, moved, textOf, type Item, type PageLayout } from './layout';
+import { KINDS, hasBounds, isFileName, layoutOf, moved, textOf, type Item, type PageLayout } from './layout';
 import { itemTexts, type Source } from './widgets';
 
 interface Props {
@@ -21,7 +21,7 @@ export function OwnPage({ layout, onChange, storages, targets, source, canChange
   const id = useId();
   const [target, setTarget] = useState('');
   const change = (items: readonly Item[]) => onChange({ ...layout, items });
-  const put = (index: number, kind: string) => change(layout.items.map((item, at) => (at === index ? { ...item, kind } : item)));
+  const put = (index: number, changed: Partial<Item>) => change(layout.items.map((item, at) => (at === index ? { ...item, ...changed } : item)));
   const add = () => {
     if (target.trim()) change([...layout.items, { target: target.trim(), kind: '' }]);
     setTarget('');
@@ -35,9 +35,12 @@ export function OwnPage({ layout, onChange, storages, targets, source, canChange
             // One property may be there twice, as a number and as a plot: only the place tells them apart.
             <li key={`${item.target} ${index}`}>
               <code>{item.target}</code>
-              <select aria-label={texts.kindOf(item.target)} value={item.kind} onChange={(event) => put(index, event.target.value)}>
+              <select aria-label={texts.kindOf(item.target)} value={item.kind} onChange={(event) => put(index, { kind: event.target.value })}>
                 {KINDS.map((kind) => <option key={kind} value={kind}>{kind || texts.usual}</option>)}
               </select>
+              {hasBounds(item.kind) && (['min', 'max'] as const).map((key) => (
+                <input key={key} type="number" step="any" aria-label={texts[key](item.target)} placeholder={key} value={item[key] ?? ''} onChange={(event) => put(index, { [key]: event.target.value })} />
+              ))}
               <button type="button" className="quiet" aria-label={texts.up(item.target)} disabled={index === 0} onClick={() => change(moved(layout.items, index, -1))}><Icon name="up" /></button>
               <button type="button" className="quiet" aria-label={texts.down(item.target)} disabled={index === layout.items.length - 1} onClick={() => change(moved(layout.items, index, 1))}><Icon name="down" /></button>
               <button type="button" className="quiet" aria-label={texts.remove(item.target)} onClick={() => change(layout.items.filter((_, at) => at !== index))}><Icon name="close" /></button>

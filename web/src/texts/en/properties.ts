@@ -4,7 +4,7 @@ export const propertiesTexts = {
   choose: 'Choose a service, a component or one of their properties.', asking: 'Asking …',
   silent: (why: string) => `What is shown may be old: ${why}`,
   ownPage: 'My page', addToOwn: 'Add to my page', edit: 'Put together', title: 'Title', noItems: 'No property is on this page yet.',
-  kindOf: (target: string) => `How ${target} is drawn`, usual: 'usual', up: (target: string) => `Move ${target} up`, down: (target: string) => `Move ${target} down`,
+  kindOf: (target: string) => `How ${target} is drawn`, usual: 'usual', min: (target: string) => `Least number of ${target}`, max: (target: string) => `Greatest number of ${target}`, up: (target: string) => `Move ${target} up`, down: (target: string) => `Move ${target} down`,
   remove: (target: string) => `Take ${target} off the page`, target: 'Property, such as robots/r1.location', add: 'Add',
   noStorage: 'A page is saved by a storage service, and none is there.', storage: 'Storage service', fileName: 'Name of the page', save: 'Save',
   badName: (name: string) => `“${name}” is no name for a page: letters, digits, - and _ are.`,

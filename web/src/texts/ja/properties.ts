@@ -5,7 +5,7 @@ export const propertiesTexts: PropertiesTexts = {
   choose: 'サービス、コンポーネント、またはそのプロパティを選んでください。', asking: '問い合わせ中…',
   silent: (why) => `表示は古い可能性があります: ${why}`,
   ownPage: 'マイページ', addToOwn: 'マイページに追加', edit: '編集', title: 'タイトル', noItems: 'このページにはまだプロパティがありません。',
-  kindOf: (target) => `${target} の表示方法`, usual: '標準', up: (target) => `${target} を上へ`, down: (target) => `${target} を下へ`,
+  kindOf: (target) => `${target} の表示方法`, usual: '標準', min: (target) => `${target} の最小値`, max: (target) => `${target} の最大値`, up: (target) => `${target} を上へ`, down: (target) => `${target} を下へ`,
   remove: (target) => `${target} をページから外す`, target: 'プロパティ (例: robots/r1.location)', add: '追加',
   noStorage: 'ページの保存にはストレージサービスが必要ですが、見つかりません。', storage: 'ストレージサービス', fileName: 'ページの名前', save: '保存',
   badName: (name) => `「${name}」はページの名前に使えません。英数字、-、_ を使ってください。`,
