@@ -133,7 +133,7 @@ createServer(async (request, response) => {
     response.writeHead(200, { 'Content-Type': 'text/event-stream', 'Cache-Control': 'no-store' });
     pages.add(response);
     request.on('close', () => pages.delete(response));
-    return send(response, 'picture', { revision, host: 'butler', version: '1.4.0', read_only: process.env.READ_ONLY === '1', ...system });
+    return send(response, 'picture', { revision, host: 'butler', version: '1.4.0', read_only: process.env.READ_ONLY === '1', jobs: [], ...system });
   }
   if (url.pathname === '/api/layout') return json(response, { revision, ...layoutOf(system, (await body(request)).folded) });
   if (url.pathname === '/api/do') return json(response, perform(await body(request)));
