@@ -41,6 +41,7 @@ rtact /localhost/Motor0.rtc
 """
 CONFIG = "/localhost/ConfigSample0.rtc"
 SEQ = "/localhost/SeqOut0.rtc"
+PATROL = ROOT / "tests" / "unit" / "services" / "statemachine" / "patrol.ttl"
 SIZE = (1120, 700)
 OPEN = "document.querySelector('dialog[open]') !== null"
 
@@ -139,6 +140,23 @@ def situations(studio: Studio, files: str) -> None:
     studio.take("10-zombie")
 
 
+def machine(studio: Studio) -> None:
+    """Take the picture of a state machine that runs, with an edit that is not in force."""
+    page = studio.page
+    create = "StateMachine?instance_name=Patrol&conf.default.service=patrol"
+    shell(f"rtmgr -c '{create}' /localhost/manager.mgr")
+    shell("rtact /localhost/Patrol.rtc")
+    shell(f"rtset patrol.machine --file {PATROL}")
+    shell("rtset patrol.run start")
+    shell("rtset patrol.event go")
+    studio.go("#view=machine&of=patrol", "document.querySelector('.state.is-active') !== null")
+    page.key("n")
+    page.wait_for("document.querySelector('.react-flow__node[data-id=state1]') !== null")
+    page.click(".react-flow__node[data-id='patrol.back'] header")
+    page.wait_for("document.querySelector('.machine-inspector .actions') !== null")
+    studio.take("state-machine")
+
+
 def main() -> None:
     """Run a system of its own, in a folder of its own."""
     with TemporaryDirectory(prefix="rtkit-", dir="/tmp") as home:
@@ -152,6 +170,7 @@ def main() -> None:
                 page.picture(os.devnull, *SIZE)
                 page.go(address)
                 situations(Studio(page), f"{home}/robots")
+                machine(Studio(page))
         finally:
             shell("rtmgr stop")
 
