@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 
-import { compared, counted, near } from '../src/rooms/builder/difference';
+import { compared, counted, firstChange, near } from '../src/rooms/builder/difference';
 import { begun, edited, redone, undone } from '../src/rooms/builder/draft';
 import { findingsBelow, freeName, propertyAt, rowsAt, textAt, withMovedRow, withProperty, withRow, withValue, withoutRow, type Form } from '../src/rooms/builder/form';
 import { ownLines, tokens } from '../src/rooms/builder/highlight';
@@ -81,6 +81,11 @@ describe('a comparison', () => {
       expect(rows.flatMap((row) => row.new?.text ?? []).join('\n')).toBe(after);
       expect(rows.every((row) => row.kind !== 'same' || row.old?.text === row.new?.text)).toBe(true);
     }
+  });
+
+  it('finds what has just changed, but for the stamp', () => {
+    const stamp = (digit: string) => `# Made by rtbuild: … [${digit.repeat(12)}].\n`;
+    expect(firstChange(`${stamp('1')}a\nb\n`, `${stamp('2')}a\nx\nb\n`)).toBe(2);
   });
 
   it('leaves out what is far from any change', () => {

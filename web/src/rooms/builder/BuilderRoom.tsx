@@ -91,6 +91,7 @@ function Workshop({ draft, system, onFiles }: { draft: Draft; system: RoomProps[
     setWritten(result);
     setWrites((count) => count + 1);
     changeDraft((before) => before && { ...before, folder, origin: `${folder}/RTC.xml`, isChanged: false });
+    show('builder', `${folder}/RTC.xml`);
   };
 
   return (

@@ -1,6 +1,6 @@
-import { Fragment, useMemo } from 'react';
+import { Fragment, useEffect, useMemo, useRef } from 'react';
 
-import { compared, linesOf, near, type DifferenceRow, type Line } from './difference';
+import { compared, firstChange, linesOf, near, type DifferenceRow, type Line } from './difference';
 import { useBuilderTexts } from './fields';
 import { ownLines, tokens } from './highlight';
 
@@ -15,9 +15,19 @@ export function CodeView({ file, text, before }: { file: string; text: string; b
   const texts = useBuilderTexts();
   const rows = useMemo(() => compared(before ?? text, text).filter((row) => row.new), [before, text]);
   const own = useMemo(() => ownLines(linesOf(text)), [text]);
+  const view = useRef<HTMLDivElement>(null);
+  const last = useRef({ file, text });
+  // What has just changed by typing is brought into sight.
+  useEffect(() => {
+    const earlier = last.current;
+    last.current = { file, text };
+    if (earlier.file !== file || earlier.text === text) return;
+    const changed = firstChange(earlier.text, text);
+    view.current?.children[changed]?.scrollIntoView({ block: 'nearest' });
+  }, [file, text]);
   return (
     // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- What scrolls is reached by keyboard.
-    <div className="code" role="region" tabIndex={0} aria-label={file}>
+    <div ref={view} className="code" role="region" tabIndex={0} aria-label={file}>
       {rows.map((row, index) => (
         <div key={index} className={`line line-${row.kind}${own[index] ? ' is-own' : ''}`} title={own[index] ? texts.preview.own : undefined}>
           <span className="line-number">{row.new?.number}</span><span className="sign" aria-hidden="true">{SIGNS[row.kind]}</span><Code text={row.new?.text ?? ''} file={file} />

@@ -19,18 +19,18 @@ export function Fate({ file }: { file: FilePreview }) {
 export function PreviewPane({ state, file, onFile }: { state: PreviewState; file: string; onFile: (name: string) => void }) {
   const texts = useBuilderTexts();
   const [isDifference, setDifference] = useState(false);
-  const { preview, isStale, error } = state;
-  const files = preview?.files ?? [];
+  const { preview, files, isStale, error } = state;
+  const isOld = preview !== null && preview.files.length === 0;
   const shown = files.find((one) => one.name === file) ?? files[0];
   return (
-    <section className={`preview ${isStale ? 'is-waiting' : ''}`} aria-label={texts.preview.title} aria-busy={isStale}>
+    <section className={`preview ${isStale || isOld ? 'is-waiting' : ''}`} aria-label={texts.preview.title} aria-busy={isStale}>
       <div className="files-bar" role="group" aria-label={texts.preview.list}>
         {files.map((one) => (
           <button key={one.name} type="button" className="file" aria-pressed={one === shown} title={one.why ?? undefined} onClick={() => onFile(one.name)}>
             <span>{one.name}</span><Fate file={one} />
           </button>
         ))}
-        <span className="note" role="status">{isStale ? texts.preview.stale : ''}</span>
+        <span className="note" role="status">{isStale ? texts.preview.stale : isOld && files.length > 0 ? texts.preview.old : ''}</span>
       </div>
       {error && <p className="error" role="alert">{error}</p>}
       {!shown && !error && <p className="empty">{isStale ? texts.preview.stale : texts.preview.none}</p>}

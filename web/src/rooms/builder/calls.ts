@@ -31,17 +31,18 @@ export const exportedText = async (api: Api, form: Form, kind: string) => (await
 /** A short pause in typing, after which the preview is asked for [ms]. */
 const PAUSE_MS = 250;
 
-export interface PreviewState { preview: Preview | null; isStale: boolean; error: string }
+/** `files` are the last that could be generated: an error in the form does not take them from sight. */
+export interface PreviewState { preview: Preview | null; files: readonly FilePreview[]; isStale: boolean; error: string }
 
 /** What would be generated from a form, asked for again when typing pauses; `count` asks anew. */
 export function usePreview(api: Api, form: Form | null, folder: string, count: number): PreviewState {
-  const [state, setState] = useState<PreviewState & { of: Form | null }>({ preview: null, isStale: false, error: '', of: null });
+  const [state, setState] = useState<PreviewState & { of: Form | null }>({ preview: null, files: [], isStale: false, error: '', of: null });
   useEffect(() => {
     if (!form) return;
     let isWanted = true;
     const timer = setTimeout(() => {
       api.post<Preview>('/api/builder/preview', { form, folder }).then(
-        (preview) => isWanted && setState({ preview, isStale: false, error: '', of: form }),
+        (preview) => isWanted && setState((before) => ({ preview, files: preview.files.length ? preview.files : before.files, isStale: false, error: '', of: form })),
         (error: unknown) => isWanted && setState((before) => ({ ...before, error: sentence(error), of: form })),
       );
     }, PAUSE_MS);
@@ -50,7 +51,7 @@ export function usePreview(api: Api, form: Form | null, folder: string, count: n
       clearTimeout(timer);
     };
   }, [api, form, folder, count]);
-  return { preview: form ? state.preview : null, isStale: state.of !== form, error: state.error };
+  return { preview: form ? state.preview : null, files: state.files, isStale: state.of !== form, error: state.error };
 }
 
 export function download(text: string, name: string): void {

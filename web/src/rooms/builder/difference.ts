@@ -100,3 +100,13 @@ export function near(rows: readonly DifferenceRow[], around = 3): (DifferenceRow
   });
   return found;
 }
+
+/** The stamp of a file is another one after each change: what changed is told by another line. */
+const STAMP = /Made by rtbuild.*\[[0-9a-f]{12}\]/;
+
+/** The index of the first line of a text that another one does not have there; stamps do not count. */
+export function firstChange(before: string, after: string): number {
+  const [a, b] = [linesOf(before), linesOf(after)];
+  const found = b.findIndex((line, index) => line !== a[index] && !STAMP.test(line));
+  return found < 0 ? Math.max(0, b.length - 1) : found;
+}

@@ -21,6 +21,7 @@ export const builderTexts = {
   preview: {
     title: 'Files', code: 'Code', difference: 'Difference', whole: 'Whole file', stale: 'Being generated …', none: 'The files appear when the errors are mended.',
     fates: { written: 'is written', unchanged: 'unchanged', kept: 'kept as you changed it', conflict: 'conflict' }, fresh: 'new',
+    old: 'As before the error.',
     lines: (added: number, removed: number) => `+${added} −${removed}`, skipped: (n: number) => (n === 1 ? '1 equal line' : `${n} equal lines`),
     same: 'The file on the disk is the same.', own: 'Your code: it is kept.', notes: 'Remarks', list: 'Generated files',
     onDisk: 'On the disk', generated: 'Generated', merged: 'Merged', number: 'line', gone: 'gone', came: 'new',

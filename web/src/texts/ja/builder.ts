@@ -23,6 +23,7 @@ export const builderTexts: BuilderTexts = {
   preview: {
     title: 'ファイル', code: 'コード', difference: '差分', whole: '全体', stale: '生成しています…', none: 'エラーを直すとファイルが表示されます。',
     fates: { written: '書き込み', unchanged: '変更なし', kept: 'あなたの変更を保持', conflict: '競合' }, fresh: '新規',
+    old: 'エラーの前の内容です。',
     lines: (added, removed) => `+${added} −${removed}`, skipped: (n) => `同じ行 ${n} 行`,
     same: 'ディスク上のファイルと同じです。', own: 'あなたのコード: 保持されます。', notes: '注意', list: '生成されるファイル',
     onDisk: 'ディスク上', generated: '生成', merged: 'マージ', number: '行', gone: '削除', came: '追加',
