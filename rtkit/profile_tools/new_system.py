@@ -78,7 +78,7 @@ def new_system(
         date,
         date,
         abstract=abstract or None,
-        components=tuple(_component(member, host) for member in members),
+        components=tuple(new_component(member, host) for member in members),
         data_port_connectors=tuple(data),
         service_port_connectors=tuple(services),
     )
@@ -124,7 +124,8 @@ def in_slaves(members: Sequence[NewMember], places: Iterable[str]) -> list[NewMe
     return [member._replace(slave=found.get(member.instance, "")) for member in members]
 
 
-def _component(member: NewMember, host: str) -> rts.ComponentInstance:
+def new_component(member: NewMember, host: str) -> rts.ComponentInstance:
+    """Return a component as its type declares it, with the default values of its parameters."""
     info = member.type.basic_info
     kind = _CONTEXT_KINDS[info.activity_type] if info else "PERIODIC"
     rate = (info.execution_rate or None) if info and kind == "PERIODIC" else None
@@ -138,9 +139,7 @@ def _component(member: NewMember, host: str) -> rts.ComponentInstance:
         visible=True,
         data_ports=tuple(_data_port(member, port) for port in member.type.data_ports),
         service_ports=tuple(
-            rts.InstancePort(
-                f"{member.instance}.{port.name}", True, properties=_stated("CorbaPort")
-            )
+            stated_port(member.instance, port.name, "CorbaPort")
             for port in member.type.service_ports
         ),
         configuration_sets=(rts.ConfigurationSet(_DEFAULT, values),) if values else (),
@@ -157,17 +156,16 @@ def _held_by(member: NewMember) -> tuple[ExtensionProperty, ...]:
 
 
 def _data_port(member: NewMember, port: DataPortDeclaration) -> rts.InstancePort:
-    kind = declared_port_type(port.port_type)
-    return rts.InstancePort(
-        f"{member.instance}.{port.name}", True, properties=_stated(kind, port.type)
-    )
+    return stated_port(member.instance, port.name, declared_port_type(port.port_type), port.type)
 
 
-def _stated(kind: str, data_type: str = "") -> tuple[ExtensionProperty, ...]:
+def stated_port(instance: str, name: str, kind: str, data_type: str = "") -> rts.InstancePort:
+    """Return a port as the profile of a system lists it, with its kind and its data type."""
     stated = (
         [ExtensionProperty("dataport.data_type", normal_data_type(data_type))] if data_type else []
     )
-    return (*stated, ExtensionProperty("port.port_type", kind))
+    properties = (*stated, ExtensionProperty("port.port_type", kind))
+    return rts.InstancePort(f"{instance}.{name}", True, properties=properties)
 
 
 def _connector(
@@ -235,9 +233,12 @@ def _check_services(source: _End, target: _End) -> None:
 
 
 def _target(end: _End) -> rts.TargetPort:
-    return rts.TargetPort(
-        end.member.type.id, end.member.instance, f"{end.member.instance}.{end.port.name}"
-    )
+    return target_port(end.member.type.id, end.member.instance, end.port.name)
+
+
+def target_port(component_id: str, instance: str, port: str) -> rts.TargetPort:
+    """Return the end of a connector at a port."""
+    return rts.TargetPort(component_id, instance, f"{instance}.{port}")
 
 
 def _located(profile: rts.RtsProfile) -> rts.RtsProfile:
