@@ -160,7 +160,7 @@ def _component(facts: ComponentFacts, row: ListingRow, *, is_reached: bool) -> R
             }
             for each in facts.contexts
         ],
-        "ports": [_port(each) for each in facts.ports],
+        "ports": [port_record(each) for each in facts.ports],
         "active_set": facts.active_set,
         "sets": {name: dict(values) for name, values in facts.sets.items()},
         "widgets": dict(hidden[WIDGET_SET]),
@@ -176,7 +176,8 @@ def _look(facts: ComponentFacts, row: ListingRow) -> str:
     return "stuck" if facts.trouble else facts.state.lower()
 
 
-def _port(port: PortProfile) -> Record:
+def port_record(port: PortProfile) -> Record:
+    """Return the record of a port."""
     return {
         "name": port.name,
         "direction": _DIRECTIONS.get(port.port_type, "service"),

@@ -6,11 +6,21 @@ from collections.abc import Callable, Sequence
 
 from starlette.routing import Route
 
-from rtkit.web import building, files, job_room, machines, ports, property_pages, system, values
+from rtkit.web import (
+    building,
+    documents,
+    files,
+    job_room,
+    machines,
+    ports,
+    property_pages,
+    system,
+    values,
+)
 from rtkit.web.site import WebSite
 
 ROOMS: Sequence[Callable[[WebSite], list[Route]]] = (
     system.routes, files.routes, job_room.routes, values.routes, ports.routes, building.routes,
-    machines.routes, property_pages.routes,
+    machines.routes, property_pages.routes, documents.routes,
 )  # fmt: skip
 """Each returns the routes of its room."""
