@@ -1,6 +1,7 @@
 import { BaseEdge, getSmoothStepPath, useStore, type EdgeProps } from '@xyflow/react';
 import { memo, useContext } from 'react';
 
+import type { Point } from '../model/types';
 import { RatesContext } from '../shell/contexts';
 import type { WireEdgeType } from './graph';
 import { WireLabel } from './WireLabel';
@@ -25,6 +26,10 @@ export const Wire = memo(function Wire(props: EdgeProps<WireEdgeType>) {
 });
 
 function course({ data, sourceX, sourceY, targetX, targetY, sourcePosition, targetPosition }: EdgeProps<WireEdgeType>): [path: string, x: number, y: number, room: number] {
+  if (data?.bends) {
+    const points: Point[] = [[sourceX, sourceY], ...data.bends, [targetX, targetY]];
+    return [roundedPath(points), ...labelPlace(points)];
+  }
   if (data?.path && data.path.length > 1) return [roundedPath(data.path), ...labelPlace(data.path)];
   const [path, x, y] = getSmoothStepPath({ sourceX, sourceY, targetX, targetY, sourcePosition, targetPosition, borderRadius: 6 });
   return [path, x, y, Math.abs(targetX - sourceX)];

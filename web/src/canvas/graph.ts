@@ -19,7 +19,7 @@ export interface Frame {
   state: string; isTroubled: boolean; why: string; counts: Count[];
 }
 export type FrameNodeType = Node<{ frame: Frame; box: Box; composite: Component | null }, 'frame'>;
-export type WireEdgeType = Edge<{ wire: Connector; path: Point[] | null; isNear: boolean }, 'wire'>;
+export type WireEdgeType = Edge<{ wire: Connector; path: Point[] | null; bends: Point[] | null; isNear: boolean }, 'wire'>;
 export type GraphNode = ComponentNodeType | FrameNodeType;
 
 export type Count = [look: Look, count: number];
@@ -173,15 +173,16 @@ export function buildEdges(
     if (!source || !target || (source === target && wire.source.component !== wire.target.component)) continue;
     // The path of the layout holds while both ends stand where the layout has put them.
     const path = placed.has(source) || placed.has(target) ? null : (layout.paths[wire.id] ?? null);
+    const bends = layout.bends?.[wire.id] ?? null;
     const isSelected = selection.has(wire.id);
     const isNear = selection.has(source) || selection.has(target);
     const ends = [handleOf(wire.source, source, 'source', system), handleOf(wire.target, target, 'target', system)] as const;
     const make = (): WireEdgeType => ({
       id: wire.id, type: 'wire', source, target, sourceHandle: ends[0], targetHandle: ends[1],
-      data: { wire, path, isNear }, selected: isSelected, zIndex: isSelected ? 20 : 5,
+      data: { wire, path, bends, isNear }, selected: isSelected, zIndex: isSelected ? 20 : 5,
       ariaLabel: label(endText(wire.source), endText(wire.target)),
     });
-    edges.push(keep(wire.id, [wire, source, target, ends[0], ends[1], path, isSelected, isNear, label], make));
+    edges.push(keep(wire.id, [wire, source, target, ends[0], ends[1], path, JSON.stringify(bends), isSelected, isNear, label], make));
   }
   return edges;
 }

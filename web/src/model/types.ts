@@ -94,6 +94,8 @@ export type Point = [number, number];
 export interface Layout {
   revision: number; width: number; height: number;
   boxes: Record<string, Box>; paths: Record<string, Point[]>;
+  /** Corners that a profile states of connectors; they lie between the two ends, wherever these stand. */
+  bends?: Record<string, Point[]>;
 }
 
 export type Action =

@@ -11,6 +11,7 @@ type Part = LazyExoticComponent<ComponentType<RoomProps>>;
 export const ROOMS = {
   properties: lazy(() => import('../rooms/properties/PropertyRoom')),
   jobs: lazy(() => import('../rooms/jobs/JobsRoom')),
+  document: lazy(() => import('../rooms/document/DocumentRoom')),
   machine: lazy(() => import('../rooms/machine/MachineRoom')),
   builder: lazy(() => import('../rooms/builder/BuilderRoom')),
 } satisfies Record<string, Part>;

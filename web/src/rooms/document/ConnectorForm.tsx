@@ -1,0 +1,32 @@
+import { Fields, Section } from '../../panels/Fields';
+import { useEditor } from '../../shell/contexts';
+import { FindingTexts } from './FindingTexts';
+import { PropertyTable } from './PropertyTable';
+import type { DocumentConnector, Finding } from './types';
+import { useDocumentTexts, type OpenDocument } from './useDocument';
+
+interface Props { connector: DocumentConnector; findings: readonly Finding[]; document: OpenDocument; bends: number; onRemove: () => void }
+
+/** A connector of a document: its ends, how it carries values, its properties. */
+export function ConnectorForm({ connector, findings, document, bends, onRemove }: Props) {
+  const texts = useDocumentTexts();
+  const { canChange, reveal } = useEditor();
+  const isFixed = !canChange || connector.origin !== '';
+  const { source, target } = connector;
+  return (
+    <>
+      <h2>{connector.name || connector.id}</h2>
+      {connector.origin && <p className="remark">{texts.readOnlyPart(connector.origin)}</p>}
+      <FindingTexts findings={findings} />
+      <Fields rows={[
+        [texts.ends, <span key="ends">{[source, target].map((end, index) => <button key={index} type="button" className="link" onClick={() => reveal(end.component)}>{end.component}:{end.port}</button>)}</span>],
+        [texts.data, connector.data_type], [texts.how, [connector.interface_type, connector.dataflow_type, connector.subscription_type].filter(Boolean).join(', ')],
+        [texts.bends, bends || ''],
+      ]} />
+      <div className="buttons"><button type="button" className="danger" disabled={isFixed} onClick={onRemove}>{texts.disconnect}</button></div>
+      <Section title={texts.properties} count={Object.keys(connector.properties).length}>
+        <PropertyTable values={connector.properties} isFixed={isFixed} onChange={(key, value) => void document.edit({ do: 'connector', connector: connector.id, properties: { [key]: value } })} />
+      </Section>
+    </>
+  );
+}

@@ -1,0 +1,60 @@
+import { EMPTY_SYSTEM, type System } from '../../model/system';
+import type { Layout, Look } from '../../model/types';
+import type { DocumentComponent, Finding, Picture, Severity } from './types';
+
+/** Words of the page for what a box tells of itself. */
+export interface BoxWords { severity: Record<Severity, string>; untyped: string; required: string; optional: string; included: string }
+
+const NO_PROFILE = 'no-profile';
+
+/** The findings that are about something, worst first. */
+export function findingsOn(findings: readonly Finding[]): Map<string, Finding[]> {
+  const found = new Map<string, Finding[]>();
+  for (const finding of findings) if (finding.on) found.set(finding.on, [...(found.get(finding.on) ?? []), finding]);
+  for (const list of found.values()) list.sort((one, other) => rank(one) - rank(other));
+  return found;
+}
+
+const rank = ({ severity }: Finding): number => (['error', 'warning', 'note'] as const).indexOf(severity);
+
+/** A document as a system that the diagram can draw: nothing runs, so what its boxes tell is what the checks say. */
+export function systemOf(picture: Picture, words: BoxWords): System {
+  const findings = findingsOn(picture.findings);
+  const components = picture.components.map((one) => ({ ...one, ...told(one, findings.get(one.id) ?? [], words) }));
+  const connectors = picture.connectors.map((one) => ({ ...one, trouble: troubleOf(findings.get(one.id) ?? []) }));
+  return {
+    ...EMPTY_SYSTEM, revision: picture.revision, isKnown: true,
+    components: new Map(components.map((one) => [one.id, one])), connectors: new Map(connectors.map((one) => [one.id, one])),
+  };
+}
+
+function told(component: DocumentComponent, findings: readonly Finding[], words: BoxWords): { look: Look; word: string; remark: string } {
+  const standing = component.origin ? words.included : component.is_required ? words.required : words.optional;
+  const worst = findings.find((one) => one.severity !== 'note' && one.rule !== NO_PROFILE);
+  if (worst) return { look: worst.severity === 'error' ? 'error' : 'stuck', word: words.severity[worst.severity], remark: worst.text };
+  if (findings.some((one) => one.rule === NO_PROFILE)) return { look: 'unknown', word: words.untyped, remark: '' };
+  return { look: 'created', word: standing, remark: '' };
+}
+
+const troubleOf = (findings: readonly Finding[]): string => findings.find((one) => one.severity !== 'note')?.text ?? '';
+
+/** The layout with the bend points that connectors have in the profile. */
+export const layoutOf = ({ layout, bends }: Picture): Layout => ({ ...layout, bends });
+
+export function countsOf(findings: readonly Finding[]): Record<Severity, number> {
+  const counts = { error: 0, warning: 0, note: 0 };
+  for (const { severity } of findings) counts[severity] += 1;
+  return counts;
+}
+
+/** The id of what a picture has and the one before had not. */
+export const fresh = (before: Picture, after: Picture): string | undefined => {
+  const known = new Set(before.components.map((one) => one.id));
+  return after.components.find((one) => !known.has(one.id))?.id;
+};
+
+/** The command that tells the same findings in a shell. */
+export function checkCommand(file: string, folders: readonly string[]): string {
+  const quoted = (text: string) => (/^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", `'"'"'`)}'`);
+  return ['rtprofile check', ...folders.map((folder) => `--components ${quoted(folder)}`), quoted(file)].join(' ');
+}

@@ -1,0 +1,97 @@
+import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
+
+import { sentence } from '../../server/api';
+import { useEditor } from '../../shell/contexts';
+import { useRoomTexts } from '../../texts';
+import { documentTexts as en } from '../../texts/en/document';
+import { documentTexts as ja } from '../../texts/ja/document';
+import type { Edit, Picture } from './types';
+
+export const useDocumentTexts = () => useRoomTexts({ en, ja });
+
+/** The address of a document without a file begins with this. */
+export const UNSAVED = '#';
+
+/** One document: its latest picture, and what changes it. Each function returns the new picture, null when it was refused. */
+export interface OpenDocument {
+  picture: Picture | null;
+  problem: string;
+  /** What was done last, for readers of the screen. */
+  done: string;
+  isClosed: boolean;
+  edit: (edit: Edit) => Promise<Picture | null>;
+  move: (way: 'undo' | 'redo') => Promise<Picture | null>;
+  /** Throws when it is refused: the dialog tells why. */
+  save: (file: string, replace: boolean) => Promise<Picture>;
+  fold: (folded: readonly string[]) => void;
+  clear: () => void;
+}
+
+export function useDocument(of: string): OpenDocument {
+  const texts = useDocumentTexts();
+  const { api, subscriptions } = useEditor();
+  const [picture, setPicture] = useState<Picture | null>(null);
+  const [problem, setProblem] = useState('');
+  const [done, setDone] = useState('');
+  const [isClosed, setClosed] = useState(false);
+  const folded = useRef<readonly string[]>([]);
+  const latest = useRef<Picture | null>(null);
+
+  const take = useCallback((next: Picture) => {
+    // Answers of two requests may come in the other order; an edit of another page may be newer.
+    if (latest.current && next.id === latest.current.id && next.revision < latest.current.revision) return latest.current;
+    latest.current = next;
+    setPicture(next);
+    return next;
+  }, []);
+
+  const ask = useCallback(async (path: string, body: object) => take(await api.post<Picture>(path, { ...body, folded: folded.current })), [api, take]);
+
+  useEffect(() => {
+    let isWanted = true;
+    const first = of.startsWith(UNSAVED) ? ask(`/api/documents/${encodeURIComponent(of.slice(1))}`, {}) : ask('/api/documents/open', { file: of });
+    first.catch((error: unknown) => isWanted && setProblem(sentence(error)));
+    return () => {
+      isWanted = false;
+    };
+  }, [ask, of]);
+
+  useEffect(() => subscriptions.listen('document', (data) => {
+    const news = data as { id: string; revision: number | null };
+    const known = latest.current;
+    if (news.id !== known?.id) return;
+    if (news.revision === null) setClosed(true);
+    else if (news.revision > known.revision) ask(`/api/documents/${known.id}`, {}).catch((error: unknown) => setProblem(sentence(error)));
+  }), [subscriptions, ask]);
+
+  const attempt = useCallback(async (path: string, body: object, said: (before: Picture, after: Picture) => string) => {
+    const before = latest.current;
+    if (!before) return null;
+    try {
+      const after = await ask(`/api/documents/${before.id}/${path}`, body);
+      setProblem('');
+      setDone(said(before, after));
+      return after;
+    } catch (error) {
+      setProblem(sentence(error));
+      return null;
+    }
+  }, [ask]);
+
+  return useMemo<OpenDocument>(() => ({
+    picture, problem, done, isClosed,
+    edit: (edit) => attempt('edit', { edit }, (_, after) => texts.did(after.undo ?? '')),
+    move: (way) => attempt('move', { way }, (before) => (way === 'undo' ? texts.undoOf(before.undo ?? '') : texts.redoOf(before.redo ?? ''))),
+    save: async (file, replace) => {
+      const after = await ask(`/api/documents/${latest.current?.id ?? ''}/save`, { file, replace });
+      setProblem('');
+      setDone(texts.saved(after.file));
+      return after;
+    },
+    fold: (next) => {
+      folded.current = next;
+      if (latest.current) ask(`/api/documents/${latest.current.id}`, {}).catch((error: unknown) => setProblem(sentence(error)));
+    },
+    clear: () => setProblem(''),
+  }), [picture, problem, done, isClosed, attempt, ask, texts]);
+}

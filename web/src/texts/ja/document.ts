@@ -1,0 +1,26 @@
+import type { DocumentTexts } from '../en/document';
+
+export const documentTexts: DocumentTexts = {
+  title: 'オフラインの図', lead: '何も動かさずに、システムプロファイルを開いて編集します。', opening: '開いています…',
+  noFolder: 'このページに許可されたフォルダーがありません。rtkit web --root FOLDER で起動してください。', noFiles: '許可されたフォルダーにファイルがありません。',
+  files: '許可されたフォルダーのファイル', openDocuments: '開いている文書', newOne: '新しい図', newName: 'システムの名前', create: '作成',
+  filter: 'ファイルを絞り込む', unsaved: '未保存', changed: '変更あり', close: '閉じる', closeAsk: (name) => `${name} には保存していない変更があります。閉じると失われます。`,
+  closeAnyway: '保存せずに閉じる', cancel: '取り消し', all: 'すべてのファイル', back: 'すべてのファイルに戻る',
+  save: '保存', saveAs: '名前を付けて保存…', saveTitle: '名前を付けて保存', path: 'ファイル (.xml、.yaml、.json)', replace: '既にあるファイルを置き換える', replaceAsk: '置き換える',
+  undo: '元に戻す', redo: 'やり直す', undoOf: (what) => `元に戻す: ${what}`, redoOf: (what) => `やり直す: ${what}`, arrange: 'すべて整列', restore: '復元…',
+  restoreHint: '動作中のシステムをこのファイルの状態にする計画を立てます', check: '検査のコマンドをコピー', copied: 'コピーしました',
+  types: 'コンポーネントの型', typeFilter: '型を絞り込む', typeHint: 'Enter で追加、または図へドラッグします。', noTypes: '許可されたフォルダーにコンポーネントプロファイルがありません。', looking: 'プロファイルを探しています…',
+  addType: (name, id) => `${name} (${id}) を追加`, ports: (n) => `ポート ${n} 個`,
+  findings: '検査結果', clean: '検査で問題は見つかりません。', counts: (errors, warnings, notes) => `エラー ${errors}、警告 ${warnings}、注記 ${notes}`,
+  severity: { error: 'エラー', warning: '警告', note: '注記' }, untyped: '型が不明', required: '必須', optional: '任意', included: '取り込み', fine: '検査済み',
+  emptyDiagram: 'この図は空です。一覧からコンポーネントの型を追加してください。',
+  inspector: '選択', component: 'コンポーネント', connector: 'コネクター', system: 'システム', name: '名前', rename: '名前を変える', type: '型', address: 'パス', source: '型のプロファイル', from: '由来',
+  readOnlyPart: (file) => `このプロファイルが取り込む ${file} にあります。そちらで変更してください。`, direction: '向き', required2: '必須: これがなければシステムは復元されたことになりません', remove: '削除',
+  portsTitle: 'ポート', connect: '接続…', connectTitle: (port) => `${port} を接続`, fits: '接続できるポート', fitsNot: (n) => `接続できないポート (${n})`, noneFits: '接続できるポートがありません。', choosePort: 'ポート',
+  disconnect: '切断', configuration: 'コンフィギュレーションセット', set: 'セット', active: '有効', activate: '有効にする', addSet: 'セットを追加', copySet: 'セットを複製', removeSet: 'セットを削除', setName: '新しいセットの名前',
+  noSets: 'コンフィギュレーションセットがありません。', addParameter: 'パラメーターを追加', parameter: 'パラメーター', value: '値', apply: '適用', removeParameter: (name) => `パラメーター ${name} を削除`,
+  properties: 'プロパティー', addProperty: 'プロパティーを追加', removeProperty: (name) => `プロパティー ${name} を削除`, data: 'データ型', how: '方式', ends: '両端', bends: '折れ点',
+  several: (n) => `${n} 個を選択中`, profile: 'プロファイル', vendor: 'ベンダー', version: 'バージョン', abstract: '説明', comment: 'コメント', created: '作成', updated: '更新', log: '更新履歴 (1 行に 1 件)',
+  variables: '変数', noValue: '値の指定が必要', includes: '取り込むファイル', prefix: '接頭辞', resolved: '変数の値と取り込んだ内容を反映して表示しています。',
+  did: (what) => `完了: ${what}`, saved: (file) => `${file} に保存しました`, gone: 'この文書は閉じられました。',
+};
