@@ -106,7 +106,7 @@ class _DocumentRoom:
                 document.edit(*edited(document, edit, self._types))
 
             await asyncio.to_thread(change)
-            self._tell(document, before)
+            self._notify(document, before)
             return await _answer(document, body)
 
     async def move(self, request: Request) -> Response:
@@ -119,7 +119,7 @@ class _DocumentRoom:
             document = self._found(request)
             before = document.revision
             await asyncio.to_thread(document.move, _WAYS[way])
-            self._tell(document, before)
+            self._notify(document, before)
             return await _answer(document, body)
 
     async def save(self, request: Request) -> Response:
@@ -136,7 +136,7 @@ class _DocumentRoom:
                 raise Malformed(f"{file} is open as another document: close that first")
             before, is_replaced = document.revision, body.get("replace") is True
             await asyncio.to_thread(document.save, file, is_replaced=is_replaced)
-            self._tell(document, before)
+            self._notify(document, before)
             return await _answer(document, body)
 
     async def close(self, request: Request) -> Response:
@@ -164,7 +164,7 @@ class _DocumentRoom:
         if len(self._open) >= _MOST:
             raise LimitReached(f"{_MOST} documents are open: close one")
 
-    def _tell(self, document: Document, before: int) -> None:
+    def _notify(self, document: Document, before: int) -> None:
         if document.revision != before:
             news = {"id": document.id, "revision": document.revision}
             self._site.pages.send(DOCUMENT, news)
