@@ -31,8 +31,10 @@ export default function PropertyRoom({ system, view }: RoomProps) {
   const { names, load } = useNames(api);
   const [layout, setLayout] = useState(kept);
   const [loading, setLoading] = useState('');
-  const isOwn = view.of.startsWith(OWN);
-  const stored = isOwn ? view.of.slice(OWN.length) : '';
+  // Whoever comes from the diagram sees what is selected there.
+  const of = view.of || (view.selection[0] ?? '');
+  const isOwn = of.startsWith(OWN);
+  const stored = isOwn ? of.slice(OWN.length) : '';
   const isUp = canChange || (system.isReadOnly && system.isKnown);
 
   const change = (next: PageLayout) => {
@@ -52,24 +54,24 @@ export default function PropertyRoom({ system, view }: RoomProps) {
     };
   }, [source, stored]);
 
-  const wanted: Wanted | null = isOwn ? (layout.items.length ? { layout: textOf({ ...layout, title: '' }) } : null) : view.of ? { of: view.of } : null;
+  const wanted: Wanted | null = isOwn ? (layout.items.length ? { layout: textOf({ ...layout, title: '' }) } : null) : of ? { of } : null;
   const page = usePropertyPage(isUp, wanted);
   const targets = useMemo(() => owners.flatMap(({ target }) => [target, ...(names.get(target) ?? []).map((name) => targetOf(target, name))]), [owners, names]);
   const storages = services.filter(({ types }) => types.includes('storage')).map(({ target }) => target);
   const add = () => {
-    change({ ...layout, items: [...layout.items, { target: view.of, kind: '' }] });
+    change({ ...layout, items: [...layout.items, { target: of, kind: '' }] });
     show('properties', OWN);
   };
-  const title = isOwn ? layout.title || texts.ownPage : view.of || texts.heading;
+  const title = isOwn ? layout.title || texts.ownPage : of || texts.heading;
   const problem = loading || page.error || (page.why && texts.silent(page.why));
 
   return (
     <main className="room properties" aria-labelledby="properties-title">
-      <PropertyTree owners={owners} names={names} load={load} selected={isOwn ? '' : view.of} onSelect={(target) => show('properties', target)} />
+      <PropertyTree owners={owners} names={names} load={load} selected={isOwn ? '' : of} onSelect={(target) => show('properties', target)} />
       <div className="property-page">
         <header>
           <h2 id="properties-title">{title}</h2>
-          {!isOwn && view.of && <button type="button" onClick={add}><Icon name="plus" />{texts.addToOwn}</button>}
+          {!isOwn && of && <button type="button" onClick={add}><Icon name="plus" />{texts.addToOwn}</button>}
           <button type="button" aria-pressed={isOwn} onClick={() => show('properties', OWN)}>{texts.ownPage}</button>
         </header>
         {isOwn && (
@@ -80,7 +82,7 @@ export default function PropertyRoom({ system, view }: RoomProps) {
         )}
         {problem && <p className="error" role="alert">{problem}</p>}
         {!wanted && !isOwn && <p className="empty">{texts.choose}</p>}
-        {wanted && page.gui && <PropertyPanel key={`${view.of} ${texts.heading}`} gui={page.gui} source={source} values={page.values} isLost={!isUp} />}
+        {wanted && page.gui && <PropertyPanel key={`${of} ${texts.heading}`} gui={page.gui} source={source} values={page.values} isLost={!isUp} />}
         {wanted && !page.gui && !problem && <p className="empty">{texts.asking}</p>}
       </div>
       <div className="last-command" role="status">{command && <><span>{texts.lastSet}</span><code>{command}</code><CopyButton text={command} label={texts.copy} /></>}</div>
