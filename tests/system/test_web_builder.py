@@ -95,6 +95,11 @@ def test_files_outside_of_what_is_granted_are_left_alone(
         body = {"form": form, "folder": f"{root}/New"}
         assert reader.ask("POST", "/api/builder/write", body).status == 403
         assert reader.post("/api/builder/preview", body)["findings"] == []
+    with served(manager) as without_folders:
+        body = {"form": form, "folder": ""}
+        files = without_folders.post("/api/builder/preview", body)["files"]
+        assert [each["before"] for each in files] == [None] * 6
+        assert without_folders.ask("POST", "/api/builder/write", body).status == 409
 
 
 def field(page: browser.Browser, label: str, number: int = 0) -> str:
@@ -183,6 +188,8 @@ def parameter_is_added(page: browser.Browser, code: Path) -> None:
     page.wait_for(shows(".code", "factor = rt.Parameter"))
     page.press("Generate …")
     page.wait_for(is_there("dialog .comparison .is-new"))
+    if AXE.exists():
+        assert page.violations(AXE.read_text(encoding="utf-8")) == []
     for word, mine in (("Take the generated one", "-"), ("Keep mine", "-"), ("Merge both", "")):
         labels = "[...document.querySelectorAll('dialog .choices label')]"
         page.evaluate(f"{labels}.find((e) => e.textContent.startsWith({word!r})).click()")
