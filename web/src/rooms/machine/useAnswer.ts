@@ -1,4 +1,4 @@
-import { useEffect, useState } from 'react';
+import { useEffect, useRef, useState } from 'react';
 
 import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
@@ -6,25 +6,34 @@ import type { DraftAnswer, MachineRecord } from './types';
 
 export interface Answered { machine: MachineRecord; answer: DraftAnswer }
 
-/** What the server says to a draft: where it is drawn, what is wrong, its text. The last answer stays until the next one. */
+/**
+ * What the server says to a draft: where it is drawn, what is wrong, its text. The last answer stays until the next one.
+ * One draft is asked about at a time, then the newest: a large machine takes longer than one types.
+ */
 export function useAnswer(machine: MachineRecord | undefined): { answered: Answered | null; error: string } {
   const { api } = useEditor();
   const [answered, setAnswered] = useState<Answered | null>(null);
   const [error, setError] = useState('');
+  const wanted = useRef(machine);
+  const isAsking = useRef(false);
   useEffect(() => {
-    if (!machine) return undefined;
-    let isWanted = true;
-    api.post<DraftAnswer>('/api/machine/draft', { machine }).then(
-      (answer) => {
-        if (!isWanted) return;
-        setAnswered({ machine, answer });
-        setError('');
-      },
-      (failure: unknown) => isWanted && setError(sentence(failure)),
-    );
-    return () => {
-      isWanted = false;
+    const ask = async () => {
+      for (let asked: MachineRecord | undefined; asked !== wanted.current;) {
+        asked = wanted.current;
+        try {
+          const answer = await api.post<DraftAnswer>('/api/machine/draft', { machine: asked });
+          setAnswered({ machine: asked as MachineRecord, answer });
+          setError('');
+        } catch (failure) {
+          setError(sentence(failure));
+        }
+      }
+      isAsking.current = false;
     };
+    wanted.current = machine;
+    if (!machine || isAsking.current) return;
+    isAsking.current = true;
+    void ask();
   }, [api, machine]);
   return { answered, error };
 }
