@@ -32,7 +32,7 @@ export default function PropertyRoom({ system, view }: RoomProps) {
   const [layout, setLayout] = useState(kept);
   const [loading, setLoading] = useState('');
   // Whoever comes from the diagram sees what is selected there.
-  const of = view.of || (view.selection[0] ?? '');
+  const of = view.of || (view.selection.find((id) => system.components.has(id) || system.managers.has(id)) ?? '');
   const isOwn = of.startsWith(OWN);
   const stored = isOwn ? of.slice(OWN.length) : '';
   const isUp = canChange || (system.isReadOnly && system.isKnown);
