@@ -42,7 +42,7 @@ class PlanRunner:
         Args:
             site: Where.
             report: Receives failures that do not end the run.
-            progress: Receives each layer before it is done.
+            progress: Receives each layer before it is done, and each step when it is.
             count: Receives how many steps are done, of how many that are known of.
             taken: Gets what the actions took that were done [s], where the manager reports it.
             careful: Makes the calls; an interruption of the command waits for their end.
@@ -107,6 +107,8 @@ class PlanRunner:
         for (_, together), result in zip(sent, self._send([a for a, _ in sent]), strict=True):
             if result.ok:
                 self.done += together
+                for step in together:
+                    self._progress(f"done: {step.text}")
             elif any(step.is_required for step in together):
                 self.failed += together
                 failures.append(together[0].failure_text(result.why))
