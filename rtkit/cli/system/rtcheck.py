@@ -37,7 +37,7 @@ def main(
     ),
     is_json: bool = json_flag("One JSON object a deviation: --format json."),
     is_junit: bool = flag("--junit", "The same as --format junit."),
-    is_diff: bool = flag("--diff", "Both sides of each deviation, on stdout."),
+    is_diff: bool = flag("--diff", "Both sides of each deviation, and what lives besides."),
     is_static: bool = flag(
         "--static", "Ask nobody: compare with RTC profiles, as rtprofile check does."
     ),
@@ -72,8 +72,8 @@ def main(
         )
     if components or ignored:
         raise UsageProblem("--components and --ignore are for --static")
-    if is_diff and form != static_checks.TEXT:
-        raise UsageProblem("--diff has a form of its own: no --json, no --format")
+    if is_diff and form not in (static_checks.TEXT, "json"):
+        raise UsageProblem("--diff has a form of its own, or that of --json: no --format")
     document = read_document(app, asked.files, asked.mapped)
     if dry_run:
         from rtkit.api import looking
@@ -92,9 +92,13 @@ def main(
     report_of = compare(app, document, expected)
     system, live, found = report_of.system, report_of.live, report_of.found
     if is_diff:
-        from rtkit.deployment.deviations import diff_lines, surplus
+        from rtkit.deployment.deviations import surplus
 
-        terminal.write(map(terminal.printable, diff_lines([*found, *surplus(system, live)])))
+        found = (*found, *surplus(system, live))
+    if is_diff and form == static_checks.TEXT:
+        from rtkit.deployment.deviations import diff_lines
+
+        terminal.write(map(terminal.printable, diff_lines(found)))
     elif form != static_checks.TEXT:
         from rtkit.cli.system.verdict import verdict_lines
 

@@ -384,7 +384,10 @@ def test_check_for_build_servers(run, file, world):
     assert (status, out.count("::error file=")) == (1, 1)
     status, out, _ = run("rtcheck", "-s", "inactive", "--format", "sarif", path)
     assert (status, json.loads(out)["runs"][0]["results"][0]["ruleId"]) == (1, "live-parameter")
-    assert run("rtcheck", "--diff", "--json", path)[0] == 2
+    assert run("rtcheck", "--diff", "--junit", path)[0] == 2
+    status, out, _ = run("rtcheck", "-s", "inactive", "--diff", "--json", path)
+    (found,) = map(json.loads, out.splitlines())
+    assert (status, found["wanted"], found["found"]) == (1, "2", "7")
     assert run("rtcheck", "--ignore", "x", path)[0] == 2
 
 
@@ -541,10 +544,14 @@ def test_notes_only_when_verbose(run, file, world):
     status, out, err = run("rtteardown", "-v", "--exit", file())
     assert (status, out) == (0, "")
     assert "xsi:type" in err
-    assert err.splitlines()[-2:] == [
+    told = err.splitlines()[-5:]
+    assert [each for each in told if not each.startswith("done: ")] == [
         "disconnect: 1 of 1 to be done",
         "exit: 2 of 2 to be done",
     ]
+    assert [each.split()[1] for each in told if each.startswith("done: ")] == [
+        "Disconnect", "Exit", "Exit",
+    ]  # fmt: skip
     assert run("rtresurrect", "--strict", file())[0] == 1
 
 
