@@ -83,6 +83,7 @@ TOPICS: dict[str, dict[str, str]] = {
         "graph": "Draw a system, or a component type, without running it.",
         "new": "Begin the profile of a component or of a system.",
         "normalise": "Bring profiles to the strict form, and tell each repair.",
+        "order": "Show or write an order of a system profile: which component comes when.",
         "resolve": "Write a system profile with the values of its parameters in place.",
         "schema": "Show where the schemas of profiles are, or tell an editor.",
         "set": "Set properties of a system and its components, in its profile.",

@@ -11,8 +11,8 @@ looks at files. Only `from` runs code.
 """
 
 _WORDS = [
-    "validate", "check", "show", "resolve", "diff", "convert", "normalise", "set", "new", "from",
-    "doc", "graph", "schema",
+    "validate", "check", "show", "resolve", "diff", "convert", "normalise", "set", "order", "new",
+    "from", "doc", "graph", "schema",
 ]  # fmt: skip
 
 main = group(
