@@ -10,9 +10,10 @@ import asyncio
 import json
 import shlex
 import signal
-from asyncio.subprocess import Process
+from asyncio.subprocess import DEVNULL, PIPE, Process
 from collections import deque
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import suppress
 from itertools import count
 
 from rtkit.api.live_records import Record
@@ -38,18 +39,20 @@ class Job:
         kind: What it is for; pages know what to show of it.
         text: What it does, as a sentence.
         line: The command line.
+        typed: The same as a user types it.
         status: Its exit status; None while it runs.
         error: What it wrote to stderr when it failed.
         rows: The last rows that it told.
         count: The number of rows that it has told.
     """
 
-    def __init__(self, id: str, kind: str, text: str, line: Sequence[str]) -> None:
+    def __init__(self, id: str, kind: str, text: str, line: Sequence[str], typed: str = "") -> None:
         """Have a job that is not started."""
         self.id = id
         self.kind = kind
         self.text = text
         self.line = tuple(line)
+        self.typed = typed or shlex.join(line)
         self.status: int | None = None
         self.error = ""
         self.rows: deque[Record] = deque(maxlen=_MOST_ROWS)
@@ -58,7 +61,7 @@ class Job:
     def record(self) -> Record:
         """Return what pages get of it, without its rows."""
         return {
-            "id": self.id, "kind": self.kind, "text": self.text, "command": shlex.join(self.line),
+            "id": self.id, "kind": self.kind, "text": self.text, "command": self.typed,
             "status": self.status, "error": self.error, "count": self.count,
         }  # fmt: skip
 
@@ -78,27 +81,43 @@ class Jobs:
         """Return those that run and the last that have ended, in the order of their beginning."""
         return [each.record() for each in self._jobs.values()]
 
-    async def start(self, kind: str, text: str, line: Sequence[str]) -> Job:
+    async def start(
+        self,
+        kind: str,
+        text: str,
+        line: Sequence[str],
+        *,
+        typed: str = "",
+        about: Record | None = None,
+        given: bytes | None = None,
+        follows_stderr: bool = False,
+    ) -> Job:
         """Start a command line that tells JSON objects, one a line.
 
         Args:
             kind: What the job is for, as the page names it.
             text: What it does, as a sentence.
             line: The command line.
+            typed: The same as a user types it, where that is more: with what it reads.
+            about: The first row: what pages that come later need to know, too.
+            given: What the command reads from stdin.
+            follows_stderr: Lines of stderr are rows, too, ``{"stderr": LINE}``.
 
         Raises:
             LimitReached: As many run as may.
         """
         if len(self._processes) >= _MOST_RUNNING:
             raise LimitReached(f"{_MOST_RUNNING} jobs run already: stop one")
-        job = Job(str(next(self._numbers)), kind, text, line)
-        self._processes[job.id] = await started(job.line)
+        job = Job(str(next(self._numbers)), kind, text, line, typed)
+        self._processes[job.id] = await started(job.line, DEVNULL if given is None else PIPE)
         self._jobs[job.id] = job
         ended = [id for id, each in self._jobs.items() if each.status is not None]
         for id in ended[: max(0, len(self._jobs) - _MOST_KEPT)]:
             del self._jobs[id]
         self._pages.send(JOB, job.record())
-        self._tasks[job.id] = asyncio.create_task(self._follow(job))
+        if about is not None:
+            self._send(job, [about])
+        self._tasks[job.id] = asyncio.create_task(self._follow(job, given or b"", follows_stderr))
         return job
 
     def found(self, id: str) -> Job:
@@ -139,29 +158,53 @@ class Jobs:
             await asyncio.shield(self._tasks[id])
         return job
 
-    async def _follow(self, job: Job) -> None:
+    async def _follow(self, job: Job, given: bytes, follows_stderr: bool) -> None:
         process = self._processes[job.id]
         assert process.stdout is not None
         assert process.stderr is not None
-        errors = asyncio.create_task(process.stderr.read())
+        errors: deque[str] = deque(maxlen=_MOST_ROWS)
+
+        def error_row(line: bytes) -> Record | None:
+            errors.append(line.decode(errors="replace"))
+            return {"stderr": message_of(errors[-1], job.line)} if follows_stderr else None
+
+        await asyncio.gather(
+            _give(process, given),
+            self._send_lines(job, process.stdout, _row),
+            self._send_lines(job, process.stderr, error_row),
+        )
+        status = await process.wait()
+        job.status, job.error = status, message_of("\n".join(errors), job.line) if status else ""
+        del self._processes[job.id], self._tasks[job.id]
+        self._pages.send(JOB, job.record())
+
+    async def _send_lines(
+        self, job: Job, stream: asyncio.StreamReader, row_of: Callable[[bytes], Record | None]
+    ) -> None:
+        """Send the rows that the lines of a stream stand for, as they come."""
         waiting: list[Record] = []
-        async for line in _lines(process.stdout):
-            if line:
-                waiting.append(_row(line))
+        async for line in _lines(stream):
+            row = row_of(line) if line else None
+            if row is not None:
+                waiting.append(row)
             if waiting and (not line or len(waiting) >= _AT_ONCE):
                 self._send(job, waiting)
                 waiting = []
-        status = await process.wait()
-        text = message_of((await errors).decode(errors="replace"), job.line)
-        job.status, job.error = status, text if status else ""
-        del self._processes[job.id], self._tasks[job.id]
-        self._pages.send(JOB, job.record())
 
     def _send(self, job: Job, rows: list[Record]) -> None:
         first = job.count
         job.rows.extend(rows)
         job.count += len(rows)
         self._pages.send(JOB, {**job.record(), "first": first, "rows": rows})
+
+
+async def _give(process: Process, data: bytes) -> None:
+    """Have a process read data as its stdin; one that ends before has no use for the rest."""
+    if process.stdin is not None:
+        process.stdin.write(data)
+        with suppress(ConnectionError):
+            await process.stdin.drain()
+        process.stdin.close()
 
 
 def _row(line: bytes) -> Record:
