@@ -123,11 +123,14 @@ def situations(studio: Studio, files: str) -> None:
     studio.close()
     shell(f"rtcryo --all -o {files}/robot.yaml")
     shell(f"rtconf {CONFIG} set int_param0 42")
-    page.press("Files …")
-    page.press("Compare")
-    page.wait_for("document.querySelector('dialog section li') !== null")
+    studio.go(f"#view=plan&of=do:{files}/robot.yaml", "document.querySelector('.deeds') !== null")
+    page.press("Show the plan")
+    page.wait_for("document.querySelector('.steps') !== null")
+    studio.take("11-plan")
+    studio.go(
+        f"#view=plan&of=compare:{files}/robot.yaml", "document.querySelector('.facts li') !== null"
+    )
     studio.take("8-compare")
-    studio.close()
     studio.go(f"#select={SEQ}", "document.querySelector('.inspector .ports') !== null")
     page.key("Delete")
     page.wait_for(OPEN)

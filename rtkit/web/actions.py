@@ -20,6 +20,7 @@ from rtkit.web import (
     manager_steps,
 )
 from rtkit.web.folders import granted
+from rtkit.web.ordering import ordered
 from rtkit.web.steps import (
     Action,
     CommandStep,
@@ -55,12 +56,10 @@ def _step(action: object, records: SystemRecords, folders: Sequence[str]) -> Com
     if not isinstance(action, dict):
         raise Malformed(f"an action is an object, not {action!r}")
     verb = text_in(action, "do")
-    if verb == _SAVE:
-        return _saved(action, folders)
-    if verb in machine_steps.STEPS:
-        return machine_steps.STEPS[verb](action, folders)
+    if verb in _OF_FILES:
+        return _OF_FILES[verb](action, folders)
     if verb not in _STEPS:
-        known = ", ".join((*_STEPS, _SAVE, *machine_steps.STEPS))
+        known = ", ".join((*_STEPS, *_OF_FILES))
         raise Malformed(f"do: there is no action {verb!r}; there are {known}")
     return _STEPS[verb](action, records)
 
@@ -125,9 +124,6 @@ def _inject(action: Action, records: SystemRecords) -> CommandStep:
     return CommandStep(f"Write {value} to {path}", line, None, "a value has been read by then")
 
 
-_SAVE = "save"
-
-
 def _saved(action: Action, folders: Sequence[str]) -> CommandStep:
     is_replaced = action.get("replace", False)
     file = granted(text_in(action, "file"), folders, is_new=True)
@@ -137,6 +133,11 @@ def _saved(action: Action, folders: Sequence[str]) -> CommandStep:
     return CommandStep(f"Save the system as {file}", line, None, "the file is written")
 
 
+_OF_FILES: Mapping[str, Callable[[Action, Sequence[str]], CommandStep]] = {
+    "save": _saved,
+    "order": ordered,
+    **machine_steps.STEPS,
+}
 _STEPS: Mapping[str, Callable[[Action, SystemRecords], CommandStep]] = {
     "connect": _connect,
     "disconnect": _disconnect,

@@ -8,10 +8,13 @@ from starlette.routing import Route
 
 from rtkit.web import (
     building,
+    comparing,
     documents,
     files,
     job_room,
     machines,
+    ordering,
+    planning,
     ports,
     property_pages,
     system,
@@ -22,5 +25,6 @@ from rtkit.web.site import WebSite
 ROOMS: Sequence[Callable[[WebSite], list[Route]]] = (
     system.routes, files.routes, job_room.routes, values.routes, ports.routes, building.routes,
     machines.routes, property_pages.routes, documents.routes,
+    planning.routes, comparing.routes, ordering.routes,
 )  # fmt: skip
 """Each returns the routes of its room."""

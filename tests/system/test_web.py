@@ -159,12 +159,12 @@ def test_the_system_is_saved_and_compared_in_granted_folders(pair: Shell, tmp_pa
         assert again.body["error"]["text"] == f"{file} is there already"
         assert client.ask("GET", "/api/files").body["files"] == [file]
         pair.ok("rtconf /localhost/C0.rtc set int_param0 9")
-        url = f"/api/compare?state=inactive&file={file}"
-        (deviation,) = client.ask("GET", url).body["deviations"]
-        assert (deviation["path"], deviation["found"]) == ("/localhost/C0.rtc", "9")
+        url = f"/api/plans/compare?state=inactive&before={file}"
+        (deviation,) = client.ask("GET", url).body["facts"]
+        assert (deviation["subject"], deviation["found"]) == ("C0", "9")
         Path(file).write_text("rubbish", encoding="utf-8")
         assert client.ask("GET", url).status == 409
-        assert client.ask("GET", "/api/compare?file=/etc/passwd").status == 409
+        assert client.ask("GET", "/api/plans/compare?before=/etc/passwd").status == 409
 
 
 def test_an_interface_has_the_polarity_that_the_page_knows(manager: Shell) -> None:

@@ -4,7 +4,6 @@ import { ComposeDialog } from './ComposeDialog';
 import { ConnectDialog } from './ConnectDialog';
 import { CreateDialog } from './CreateDialog';
 import { ExportDialog } from './ExportDialog';
-import { FilesDialog } from './FilesDialog';
 import { LoadDialog } from './LoadDialog';
 import { ModulesDialog } from './ModulesDialog';
 import { SetDialog } from './SetDialog';
@@ -21,7 +20,6 @@ export function Dialogs({ dialog, system }: { dialog: Dialog | null; system: Sys
     case 'set': return <SetDialog system={system} asked={dialog} />;
     case 'compose': return <ComposeDialog system={system} members={dialog.members} />;
     case 'export': return <ExportDialog host={system.host} />;
-    case 'files': return <FilesDialog />;
     default: return null;
   }
 }

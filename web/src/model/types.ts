@@ -122,6 +122,7 @@ export type Action =
   | { do: 'start_manager'; name: string; host?: string }
   | { do: 'stop_manager'; manager: string; keep: boolean }
   | { do: 'save'; file: string; replace?: boolean }
+  | { do: 'order'; file: string; order: string; steps: string[]; expect?: string[] }
   | MachineAction;
 
 /** What is done with a state machine; `machine` is the path of its service. */
@@ -151,9 +152,6 @@ export interface Offers {
 
 /** Folders that the user has granted, and the system profiles in them. */
 export interface Files { folders: string[]; files: string[] }
-
-/** A difference between a system profile and what lives, as `rtcheck --json` has it. */
-export interface Deviation { kind: string; path: string; text: string; required: boolean }
 
 export const EXPORT_FORMS = ['svg', 'dot', 'mermaid', 'text'] as const;
 export type ExportForm = (typeof EXPORT_FORMS)[number];

@@ -1,4 +1,4 @@
-import type { Action, Connectable, Deviation, Done, ExportForm, Files, Layout, Offers, TreeEvent } from '../model/types';
+import type { Action, Connectable, Done, ExportForm, Files, Layout, Offers, TreeEvent } from '../model/types';
 import { followStream, type StreamListener } from './stream';
 
 /** An answer of the server that is no success; `message` is a sentence for people. */
@@ -24,7 +24,6 @@ export interface Api {
   events: () => Promise<TreeEvent[]>;
   offers: (manager: string) => Promise<Offers>;
   files: () => Promise<Files>;
-  compare: (file: string) => Promise<Deviation[]>;
   exported: (form: ExportForm) => Promise<Blob>;
 }
 
@@ -43,7 +42,6 @@ export function createApi(token: string): Api {
     connectable: async (port) => (await get<{ ports: Connectable[] }>(`/api/connectable?port=${encodeURIComponent(port)}`)).ports,
     offers: (manager) => get<Offers>(`/api/offers?manager=${encodeURIComponent(manager)}`),
     files: () => get<Files>('/api/files'),
-    compare: async (file) => (await get<{ deviations: Deviation[] }>(`/api/compare?file=${encodeURIComponent(file)}`)).deviations,
     exported: async (form) => (await answered(`/api/export?form=${form}`, { headers })).blob(),
     events: async () => (await get<{ events: TreeEvent[] }>('/api/events?since=0')).events,
   };

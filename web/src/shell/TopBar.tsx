@@ -25,7 +25,7 @@ export function TopBar({ system, view, history, settings, onMove }: Props) {
       <h1><img src="/icon.svg" alt="" width="20" height="20" />rtkit <span>{system.host}</span></h1>
       <Counts counts={countsIn(system.components.values())} />
       {system.isReadOnly && <span className="badge" title={texts.link.readOnlyHint}>{texts.link.readOnly}</span>}
-      <button type="button" className="search" onClick={() => open({ kind: 'palette' })}><Icon name="search" /><span>{texts.bar.search}</span><kbd>Ctrl K</kbd></button>
+      <button type="button" className="search" aria-label={texts.bar.search} onClick={() => open({ kind: 'palette' })}><Icon name="search" /><span>{texts.bar.search}</span><kbd>Ctrl K</kbd></button>
       <div className="group" role="group" aria-label={texts.bar.views}>
         {(['diagram', 'table'] as const).map((kind) => <button key={kind} type="button" aria-pressed={view.kind === kind} onClick={() => show(kind)}>{texts.bar[kind]}</button>)}
         {ROOM_KINDS.map((kind) => <button key={kind} type="button" aria-pressed={view.kind === kind} onClick={() => show(kind)}>{texts.bar.rooms[kind]}</button>)}
@@ -35,7 +35,6 @@ export function TopBar({ system, view, history, settings, onMove }: Props) {
         <IconButton icon="redo" label={redo ? texts.bar.redoOf(named(redo)) : texts.bar.redo} isDisabled={!redo || !canChange} onClick={() => onMove('redo')} />
         <button type="button" disabled={!view.placed.size} onClick={arrange}><Icon name="arrange" />{texts.bar.arrange}</button>
       </div>
-      <button type="button" onClick={() => open({ kind: 'files' })}>{texts.files.open}</button>
       <button type="button" onClick={() => open({ kind: 'export' })}>{texts.exporting.open}</button>
       <div className="group">
         {!isRoom(view.kind) && PANELS.map(([panel, icon]) => (

@@ -9,6 +9,7 @@ type Part = LazyExoticComponent<ComponentType<RoomProps>>;
 
 /** The rooms beside the diagram and its tables. Each is loaded when it is entered; its title is in the texts, under its kind. */
 export const ROOMS = {
+  plan: lazy(() => import('../rooms/plan/PlanRoom')),
   properties: lazy(() => import('../rooms/properties/PropertyRoom')),
   jobs: lazy(() => import('../rooms/jobs/JobsRoom')),
   document: lazy(() => import('../rooms/document/DocumentRoom')),

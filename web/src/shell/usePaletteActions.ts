@@ -48,7 +48,6 @@ export function usePaletteActions({ system, view, selected, history, settings, o
     ...(editor.canChange && dead ? [command(manage.managers.forgetZombies(dead), () => void editor.perform([{ do: 'forget_zombies' }], manage.managers.forgetZombies(dead)))] : []),
     ...(first ? [command(manage.scope.near, () => editor.narrow({ ...WHOLE, near: first.id }), first.name)] : []),
     ...(isWhole(view.scope) ? [] : [command(manage.scope.all, () => editor.narrow(WHOLE))]),
-    command(texts.files.open, () => editor.open({ kind: 'files' })),
     command(texts.exporting.open, () => editor.open({ kind: 'export' })),
     ...ROOM_KINDS.filter((kind) => kind !== view.kind).map((kind) => command(texts.bar.rooms[kind], () => editor.show(kind))),
     view.kind === 'table' ? command(texts.bar.diagram, () => editor.show('diagram')) : command(texts.bar.table, () => editor.show('table')),

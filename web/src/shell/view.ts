@@ -12,7 +12,7 @@ export const KIND_FILTERS = ['all', 'manager', 'slave', 'composite', 'component'
 export type KindFilter = (typeof KIND_FILTERS)[number];
 
 export type Dialog =
-  | { kind: 'palette' | 'keys' | 'export' | 'files' | 'start' }
+  | { kind: 'palette' | 'keys' | 'export' | 'start' }
   | { kind: 'set'; component: string; set: string; way: 'copy' | 'rename' }
   | { kind: 'compose'; members: readonly string[] }
   | { kind: 'modules'; manager: string }

@@ -29,7 +29,7 @@ export const en = {
   },
 
   bar: {
-    search: 'Search or do …', views: 'View', rooms: { document: 'Offline', properties: 'Properties', jobs: 'Jobs', machine: 'State machines', builder: 'Builder' }, roomLoading: 'Loading …', diagram: 'Diagram', table: 'Table',
+    search: 'Search or do …', views: 'View', rooms: { plan: 'Plans', document: 'Offline', properties: 'Properties', jobs: 'Jobs', machine: 'State machines', builder: 'Builder' }, roomLoading: 'Loading …', diagram: 'Diagram', table: 'Table',
     undo: 'Undo', redo: 'Redo', arrange: 'Arrange', fit: 'Fit', zoomIn: 'Zoom in', zoomOut: 'Zoom out',
     help: 'Keys', theme: 'Colours', themes: { auto: 'Auto', light: 'Light', dark: 'Dark' },
     languageLabel: 'Language', tree: 'Tree', inspector: 'Inspector', events: 'Events',
@@ -130,11 +130,6 @@ export const en = {
     open: 'Load a module …', title: (manager: string) => `Load a module into ${manager}`, path: 'File of the module', go: 'Load',
     init: 'Init function', initHint: 'Empty: the usual one.',
     found: (n: number) => (n === 0 ? 'The manager finds no module that is not loaded.' : `The manager finds ${n} that are not loaded.`),
-  },
-  files: {
-    open: 'Files …', title: 'System profiles', save: 'Save', name: 'Save the system as', replace: 'Replace the file if it is there',
-    noFolder: 'The page may use no folder. Start it with “rtkit web --root FOLDER” to save and compare system profiles.', compare: 'Compare',
-    result: (file: string, n: number) => (n === 0 ? `The system is as ${file} says.` : `${n} deviations from ${file}:`),
   },
   exporting: {
     open: 'Export …', title: 'Save the picture of the system', forms: { svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'Text' },

@@ -30,7 +30,7 @@ export const ja: Texts = {
   },
 
   bar: {
-    search: '検索または実行…', views: '表示', rooms: { document: 'オフライン', properties: 'プロパティ', jobs: 'ジョブ', machine: '状態機械', builder: 'ビルダー' }, roomLoading: '読み込み中…', diagram: '図', table: '表',
+    search: '検索または実行…', views: '表示', rooms: { plan: '計画', document: 'オフライン', properties: 'プロパティ', jobs: 'ジョブ', machine: '状態機械', builder: 'ビルダー' }, roomLoading: '読み込み中…', diagram: '図', table: '表',
     undo: '元に戻す', redo: 'やり直す', arrange: '整列', fit: '全体表示', zoomIn: '拡大', zoomOut: '縮小',
     help: 'キー', theme: '配色', themes: { auto: '自動', light: 'ライト', dark: 'ダーク' },
     languageLabel: '言語', tree: 'ツリー', inspector: 'インスペクタ', events: 'イベント',
@@ -130,11 +130,6 @@ export const ja: Texts = {
     open: 'モジュールをロード…', title: (manager) => `${manager} にモジュールをロード`, path: 'モジュールのファイル', go: 'ロード',
     init: '初期化関数', initHint: '空なら通常のもの。',
     found: (n) => (n === 0 ? '未ロードのモジュールは見つかりません。' : `未ロードのモジュールが ${n} 個あります。`),
-  },
-  files: {
-    open: 'ファイル…', title: 'システムプロファイル', save: '保存', name: '保存先', replace: '既にあるファイルを置き換える',
-    noFolder: '使えるフォルダがありません。「rtkit web --root FOLDER」で起動すると、保存と比較ができます。', compare: '比較',
-    result: (file, n) => (n === 0 ? `システムは ${file} の通りです。` : `${file} との相違 ${n} 件:`),
   },
   exporting: {
     open: 'エクスポート…', title: 'システムの図を保存', forms: { svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'テキスト' },

@@ -1,0 +1,68 @@
+"""Tells what a system profile says of its components, its hosts, its variables and its orders."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from rtkit.api.live_records import Record
+from rtkit.errors import Malformed, Refused
+from rtkit.profile.read import read_bytes, read_rts
+from rtkit.profile_tools.ordering import NAMES, steps_in
+from rtkit.web.folders import granted
+from rtkit.web.site import WebSite
+from rtkit.web.steps import Action, CommandStep, list_in, text_in
+
+
+def routes(site: WebSite) -> list[Route]:
+    """Return the requests about what a profile says."""
+
+    async def profile(request: Request) -> Response:
+        file = granted(request.query_params.get("file", ""), site.folders)
+        return JSONResponse(await asyncio.to_thread(_profile_record, file))
+
+    return [Route("/api/plans/profile", profile)]
+
+
+def _profile_record(file: str) -> Record:
+    profile = read_rts(read_bytes(file), file).profile
+    return {
+        "components": [
+            {
+                "name": each.instance_name,
+                "path": each.path_uri,
+                "host": each.path_uri.partition("/")[0],
+                "required": each.is_required,
+            }
+            for each in profile.components
+        ],
+        "variables": [
+            {"name": each.name, "default": each.default, "description": each.description or ""}
+            for each in profile.variables
+        ],
+        "orders": {name: steps_in(profile, name) for name in NAMES},
+    }
+
+
+def ordered(action: Action, folders: Sequence[str]) -> CommandStep:
+    """Return the step that writes an order into a profile; what takes it back is the former one.
+
+    Raises:
+        Malformed: It names no order.
+        Refused: The file is in no folder that was granted, or has another order than expected.
+        NotFound: There is no such file.
+    """
+    file, name = granted(text_in(action, "file"), folders), text_in(action, "order")
+    steps = list_in(action, "steps")
+    if name not in NAMES:
+        raise Malformed(f"order: there is no {name!r}; there are {', '.join(NAMES)}")
+    former = steps_in(read_rts(read_bytes(file), file).profile, name)
+    if "expect" in action and list_in(action, "expect") != former:
+        raise Refused(f"{file} has another order by now")
+    line = ["rtprofile", "order", *([] if steps else ["--remove"]), "--", file, name, *steps]
+    undo = {"do": "order", "file": file, "order": name, "steps": former, "expect": steps}
+    return CommandStep(f"Write the order {name} into {file}", tuple(line), (undo,))

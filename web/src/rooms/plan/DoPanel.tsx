@@ -1,0 +1,104 @@
+import { useState } from 'react';
+
+import type { Job } from '../../model/types';
+import { sentence } from '../../server/api';
+import { useEditor } from '../../shell/contexts';
+import { HostTable, type Mapping } from './HostTable';
+import type { Place } from './place';
+import { CommandLine, StepTable } from './StepTable';
+import { DEEDS, FLAGS, STATES, type Deed, type Flag, type Plan, type PlanRequest } from './types';
+import { useProfile } from './useProfile';
+import type { PlanTexts } from './usePlanTexts';
+
+/** What can be done without a file: the profile is what lives. */
+const LIVE: readonly Deed[] = ['start', 'stop', 'take_down'];
+
+interface Shown { request: PlanRequest; plan: Plan }
+
+/** Chooses what to do, shows the plan of it, and has it done. */
+export function DoPanel({ texts, file, onGo }: { texts: PlanTexts; file: string; onGo: (to: Partial<Place>) => void }) {
+  const { api, canChange } = useEditor();
+  const deeds = file ? DEEDS : LIVE;
+  const [deed, setDeed] = useState<Deed>(file ? 'apply' : 'start');
+  const [flags, setFlags] = useState<readonly Flag[]>([]);
+  const [state, setState] = useState<(typeof STATES)[number]>('active');
+  const [mapping, setMapping] = useState<Mapping>({ map: {}, set: {}, prefix: '' });
+  const { profile, problem: unread } = useProfile(file);
+  const [shown, setShown] = useState<Shown | null>(null);
+  const [isBusy, setBusy] = useState(false);
+  const [problem, setProblem] = useState('');
+  // A plan that was shown is of what was chosen then.
+  const changed = <T,>(set: (value: T) => void) => (value: T) => {
+    set(value);
+    setShown(null);
+    setProblem('');
+  };
+  const choose = changed(setDeed);
+  const wait = async (work: Promise<void>) => {
+    setBusy(true);
+    setProblem('');
+    await work.catch((error: unknown) => setProblem(sentence(error)));
+    setBusy(false);
+  };
+  const request: PlanRequest = { do: deed, file, flags: flags.filter((flag) => FLAGS[deed].includes(flag)), ...(deed === 'apply' && { state }), ...(file && mapping) };
+  const look = () => wait(api.post<Plan>('/api/plans/show', request).then((plan) => setShown({ request, plan })));
+  const start = ({ request: asked, plan }: Shown) =>
+    wait(api.post<Job>('/api/plans/start', { ...asked, shown: plan.steps.map((step) => step.text) }).then((job) => onGo({ tab: 'job', of: job.id })));
+  return (
+    <>
+      <form className="plans-form" onSubmit={(event) => { event.preventDefault(); void look(); }}>
+        <fieldset className="deeds">
+          <legend className="unseen">{texts.deed}</legend>
+          {deeds.map((one) => (
+            <label key={one} className={one === deed ? 'is-chosen' : ''}>
+              <input type="radio" name="deed" checked={one === deed} onChange={() => choose(one)} />{texts.deeds[one]}
+            </label>
+          ))}
+        </fieldset>
+        <p className="note">{texts.deedHints[deed]}</p>
+        {(FLAGS[deed].length > 0 || deed === 'apply') && (
+          <fieldset className="row">
+            <legend className="unseen">{texts.options}</legend>
+            {deed === 'apply' && (
+              <label>{texts.state} <select value={state} onChange={(event) => changed(setState)(event.target.value as typeof state)}>
+                {STATES.map((one) => <option key={one} value={one}>{texts.goal[one]}</option>)}
+              </select></label>
+            )}
+            {FLAGS[deed].map((flag) => (
+              <label key={flag} className="check">
+                <input type="checkbox" checked={flags.includes(flag)} onChange={() => changed(setFlags)(flags.includes(flag) ? flags.filter((one) => one !== flag) : [...flags, flag])} />{texts.flags[flag]}
+              </label>
+            ))}
+          </fieldset>
+        )}
+        {profile && <HostTable texts={texts} profile={profile} mapping={mapping} onChange={changed(setMapping)} />}
+        {unread && <p className="error" role="alert">{unread}</p>}
+        <div className="row">
+          <button type="submit" className={shown ? '' : 'primary'} disabled={isBusy}>{texts.plan}</button>
+          {isBusy && <span className="note" role="status">{texts.planning}</span>}
+        </div>
+      </form>
+      {problem && <p className="error" role="alert">{problem}</p>}
+      {shown && (
+        <section aria-label={shown.plan.text} aria-live="polite">
+          <Head texts={texts} plan={shown.plan} />
+          <CommandLine texts={texts} command={shown.plan.command} />
+          {shown.plan.notes.length > 0 && <ul className="warning">{shown.plan.notes.map((note) => <li key={note}>{note}</li>)}</ul>}
+          {shown.plan.steps.length > 0 && (
+            <button type="button" className={deed === 'take_down' ? 'danger filled' : 'primary'} disabled={!canChange || isBusy} onClick={() => void start(shown)}>{texts.go(texts.deeds[deed])}</button>
+          )}
+          <StepTable texts={texts} plan={shown.plan} states={null} />
+        </section>
+      )}
+    </>
+  );
+}
+
+/** What a plan comes to. */
+function Head({ texts, plan }: { texts: PlanTexts; plan: Plan }) {
+  const { steps, cost, gap = 0, kept } = plan;
+  if (!steps.length) return <p>{texts.nothing}</p>;
+  const count = steps.filter((step) => step.kind !== 'check').length;
+  const parts = [texts.steps(count), ...(cost === undefined ? [] : [texts.cost(cost), gap ? texts.gap(gap) : texts.optimal])];
+  return <p><strong>{parts.join(' · ')}</strong>{kept && <span className="note"> {texts.kept(kept.managers, kept.components, kept.connections)}</span>}</p>;
+}

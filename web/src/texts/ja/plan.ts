@@ -1,0 +1,41 @@
+import type { PlanTexts } from '../en/plan';
+
+export const planTexts: PlanTexts = {
+  title: '計画', tabs: { do: '実行', compare: '比較', order: '順序' }, files: 'システムプロファイル', live: '現在のシステム', jobs: '実行中の計画',
+  noFolder: '使用できるフォルダがありません。システムプロファイルを使うには「rtkit web --root フォルダ」で起動してください。', noFiles: 'システムプロファイルはまだありません。',
+  save: '現在のシステムを保存', saveAs: 'ファイル名', replaceFile: 'ファイルを置き換える', saveLabel: (file) => `システムを ${file} に保存`,
+  deed: '操作', deeds: { apply: '適用', restore: '復元', start: '開始', stop: '停止', take_down: '撤去' },
+  deedHints: {
+    apply: '最小コストの計画で、現在のシステムをプロファイルのとおりにします。すでに一致している部分は変更しません。',
+    restore: '不足しているものを生成し、接続と設定を行います。必須の手順が失敗した場合、生成したものは取り除かれます。',
+    start: 'すべてのコンポーネントをプロファイルの順序で活性化します。',
+    stop: 'すべてのコンポーネントを逆順で非活性化します。',
+    take_down: 'すべての接続を取り除きます。選択した場合はコンポーネントも終了します。',
+  },
+  flags: {
+    replace: 'その場で変更できないものを置き換える', prune: 'プロファイルにないものを終了・切断する', rollback: '失敗したら元に戻す',
+    'stand-in': '不足しているモジュールに代用品を使う', 'no-create': 'コンポーネントを生成しない', 'strict-path': '接続の両端にパスを必須とする',
+    exit: 'コンポーネントも終了する', uninstall: 'このために導入したパッケージを削除する',
+  },
+  options: 'オプション', state: 'コンポーネントの状態', goal: { active: '活性', inactive: '非活性', any: 'そのまま' },
+  liveOnly: '適用、復元、比較、順序にはファイルが必要です。現在のシステムを保存するか、ファイルを選択してください。',
+  hosts: 'コンポーネントの配置先', component: 'コンポーネント', from: 'プロファイルのパス', to: '配置先ホスト', variables: '変数', prefix: 'すべての名前の前に付ける文字列', value: '値',
+  plan: '計画を表示', planning: '計画しています…', go: (deed) => `${deed}を実行`, nothing: '行うことはありません。すべて望みどおりです。',
+  steps: (n) => `${n} 手順`, cost: (cost) => `コスト ${cost}`, optimal: '最小と証明済み', gap: (gap) => `最小より最大 ${gap} 大きい`,
+  kept: (managers, components, connections) => `維持: マネージャ ${managers}、コンポーネント ${components}、接続 ${connections}`,
+  layer: (n) => `段階 ${n}`, atOnce: (n) => `${n} 個同時`, checks: (n) => `事前確認 ${n} 件`,
+  step: '手順', change: '変更', costHead: 'コスト', stateHead: '状態', required: '必須', costFrom: { table: '', measured: '実測', profile: 'プロファイル', user: '指定' },
+  states: { waiting: '待機', begun: '実行中', done: '完了', held: '変更不要', failed: '失敗', left: '未実行' },
+  command: 'コマンド', copy: 'コピー', copied: 'コピーしました', notes: '注記', of: (done, all) => `${all} 件中 ${done} 件完了`,
+  runs: '実行中', done: '完了', failed: '失敗', stopped: '中止', stop: '中止', stopping: '中止しています…', retry: '失敗した手順を再試行', back: '計画に戻る',
+  trouble: '問題', noJob: 'この計画はもう残っていません。', loading: '読み込み中…',
+  compareWith: '比較対象', compareState: 'コンポーネントの状態', compare: '比較', same: '差異はありません。', differs: (n) => `差異 ${n} 件`,
+  verdictSame: '一致', verdictDiffers: '不一致', optional: '任意', wanted: 'プロファイル', found: '現在', picture: '両システムの図',
+  marks: { '': '同じ', '+': '追加', '-': '欠落', '~': '変更' }, compareStates: { active: '活性', inactive: '非活性', unknown: '状態は問わない' },
+  order: '順序', orders: {
+    activation: '活性化', deactivation: '非活性化', 'start-up': '起動', 'shut-down': '終了', resetting: 'リセット', initializing: '初期化', finalizing: '終了処理',
+  },
+  noOrder: 'プロファイルはこの順序を定めていません。', place: '位置', wait: '待ち時間 [ms]', after: '先行', nobody: 'なし', timeout: '上限 [ms]', sent: '要求の送信まで',
+  up: (name) => `${name} を前へ`, down: (name) => `${name} を後へ`, remove: (name) => `${name} を除く`, add: 'コンポーネントを追加', write: '順序を書き込む',
+  writeLabel: (order, file) => `順序 ${order} を ${file} に書き込む`,
+};
