@@ -29,9 +29,11 @@ describe('how far a plan is', () => {
 
   it('is one tree of errors when it fails: the causes, and what is left', () => {
     const error = 'Required action failed: /localhost/A.rtc: in a bad mood; 2 steps left; run it again to go on';
-    const lines = ['[1/3] create A on manager', 'left: 2 steps, cost 2 (optimal)', '  1  activate A  1  A inactive -> active', '  2  activate B  1', 'kept: 1 manager', error];
+    const lines = ['[1/3] create A on manager', 'left: 2 steps, cost 2 (optimal)', '1  activate A  1  A inactive -> active', '2  activate B  1', 'kept: 1 manager', error];
     const { trouble, states } = progressOf(plan('create A on manager', 'activate A', 'activate B'), lines, job(1, error));
     expect([...states.values()]).toEqual(['done', 'left', 'left']);
+    expect(progressOf(plan('set A.gain=1', 'activate A', 'activate B'), [...lines.slice(1, -1), 'activate A: in a bad mood; 2 steps left'], job(1)).states)
+      .toEqual(new Map([[1, 'held'], [2, 'failed'], [3, 'left']]));
     expect(trouble?.text).toBe('Apply a.yaml');
     const [cause] = trouble?.below ?? [];
     expect(cause?.text).toBe('/localhost/A.rtc: in a bad mood');

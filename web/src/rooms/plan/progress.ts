@@ -14,7 +14,7 @@ const BEGUN = /^Executing (.*?)(?: \(Required\))?$/;
 const FAILED = /^(?:Required action failed|Action failed): (.*)$/;
 /** Lines of progress that say no more than the steps do, and those round the list of what is left. */
 const QUIET = /to be done$|^(?:at once|kept|costs): /;
-const LEFT = /^ +\d+ {2}(.*?)(?: {2}.*)?$/;
+const LEFT = /^ *\d+ {2}(\S.*?)(?: {2}.*)?$/;
 
 interface Told { plan: Plan | null; request: PlanRequest | null; lines: string[] }
 
@@ -31,29 +31,34 @@ export function progressOf(plan: Plan, lines: readonly string[], job: Pick<Job, 
   const failures: string[] = [];
   const left: string[] = [];
   const notes: string[] = [];
+  let isLeftKnown = false;
   for (const line of lines) {
     const [isDone, isBegun, isFailed, isLeft] = [DONE.exec(line)?.[1], BEGUN.exec(line)?.[1], FAILED.exec(line)?.[1], LEFT.exec(line)?.[1]];
     if (isDone !== undefined) done.add(isDone);
     else if (isBegun !== undefined) begun.add(isBegun);
     else if (isFailed !== undefined) failures.push(isFailed);
-    else if (isLeft !== undefined) left.push(isLeft);
-    else if (!QUIET.test(line) && !line.startsWith('left: ')) notes.push(line);
+    else if (line.startsWith('left: ')) isLeftKnown = true;
+    else if (isLeftKnown && isLeft !== undefined) left.push(isLeft);
+    else if (!QUIET.test(line)) notes.push(line);
   }
   const hasEnded = job.status !== null;
+  const hasFailed = hasEnded && (job.status !== 0 || failures.length > 0);
   const states = new Map<number, StepState>();
   for (const step of plan.steps) {
-    const isFailed = failures.some((failure) => isAbout(failure, step.text));
+    const isFailed = hasFailed && [...failures, ...notes].some((failure) => isAbout(failure, step.text));
+    // A step that took none, because it was so already, is not among those that are left.
+    const isHeld = job.status === 0 || (isLeftKnown && !left.includes(step.text));
     states.set(step.number, done.has(step.text) ? 'done' : isFailed ? 'failed'
       : begun.has(step.text) ? (hasEnded && job.status === 0 ? 'done' : hasEnded ? 'left' : 'begun')
-      : !hasEnded ? 'waiting' : job.status === 0 ? 'held' : 'left');
+      : !hasEnded ? 'waiting' : isHeld ? 'held' : 'left');
   }
-  const trouble = hasEnded && (job.status !== 0 || failures.length) ? troubleOf(job, failures, left, notes) : null;
+  const trouble = hasFailed ? troubleOf(job, failures, left, notes) : null;
   return { states, done: [...states.values()].filter((state) => state === 'done' || state === 'held').length, trouble, notes: trouble ? [] : notes };
 }
 
 /** Whether a failure names just what a step is about: `connect A.out to B.in`, `…/A.rtc in execution context 0`. */
 function isAbout(failure: string, step: string): boolean {
-  if (failure.includes(step)) return true;
+  if (failure === step || failure.startsWith(`${step}:`) || failure.startsWith(`${step};`)) return true;
   const paths = step.match(/\/\S+\.rtc(?::\S+)?/g);
   if (!paths || step.startsWith('Check ')) return false;
   return /^(\{\d+\} )?(\[.*\] )?(Activate|Deactivate|Connect|Disconnect|Create|Exit) /.test(step) && paths.every((path) => failure.includes(path));

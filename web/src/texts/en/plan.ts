@@ -23,6 +23,7 @@ export const planTexts = {
   save: 'Save what lives', saveAs: 'As file', replaceFile: 'Replace the file', saveLabel: (file: string) => `Save the system as ${file}`,
   deed: 'What to do', deeds, deedHints, flags, options: 'Options', state: 'Components are to be', goal: { active: 'active', inactive: 'inactive', any: 'as they are' },
   liveOnly: 'Apply, restore, compare and order need a file. Save what lives, or choose a file.',
+  noFile: (file: string) => `The page was granted no such file: ${file}`,
   hosts: 'Where components go', component: 'Component', from: 'Path in the profile', to: 'Goes to host', variables: 'Variables', prefix: 'Text before all names', value: 'Value',
   plan: 'Show the plan', planning: 'It is being planned …', go: (deed: string) => `${deed} now`, nothing: 'Nothing is to be done: everything is as wanted.',
   steps: (n: number) => (n === 1 ? '1 step' : `${n} steps`), cost: (cost: number) => `cost ${cost}`, optimal: 'proved cheapest', gap: (gap: number) => `at most ${gap} above the cheapest`,

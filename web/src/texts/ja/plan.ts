@@ -19,6 +19,7 @@ export const planTexts: PlanTexts = {
   },
   options: 'オプション', state: 'コンポーネントの状態', goal: { active: '活性', inactive: '非活性', any: 'そのまま' },
   liveOnly: '適用、復元、比較、順序にはファイルが必要です。現在のシステムを保存するか、ファイルを選択してください。',
+  noFile: (file) => `このファイルは使用できません: ${file}`,
   hosts: 'コンポーネントの配置先', component: 'コンポーネント', from: 'プロファイルのパス', to: '配置先ホスト', variables: '変数', prefix: 'すべての名前の前に付ける文字列', value: '値',
   plan: '計画を表示', planning: '計画しています…', go: (deed) => `${deed}を実行`, nothing: '行うことはありません。すべて望みどおりです。',
   steps: (n) => `${n} 手順`, cost: (cost) => `コスト ${cost}`, optimal: '最小と証明済み', gap: (gap) => `最小より最大 ${gap} 大きい`,
