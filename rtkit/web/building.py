@@ -113,17 +113,20 @@ class _BuildingRoom:
         form, folder = _form(body), self._folder(body)
         if not folder:
             raise Refused("no folder was granted to this page (--root)")
+        line = ("rtbuild", f"--output={folder}", *_options(body), "-")
+        text = f"Generate the files of {folder}"
+        if body.get("dry_run"):
+            return JSONResponse(shown(CommandStep(text, line)))
         self._site.check_change()
         profile, findings = await asyncio.to_thread(self._read, form, folder)
         if profile is None or any(each.level == ERROR for each in findings):
             raise Refused(next(each.text for each in findings if each.level == ERROR))
         xml = write_profile(profile)
         await self._generated(xml, folder)  # looks that no file of it is a link
-        line = ("rtbuild", f"--output={folder}", *_options(body), "-")
         outcome = await outcome_of(line, xml)
-        step = CommandStep(f"Generate {profile_name(profile)} in {folder}", line)
         is_done = outcome.status == 0
         error = "" if is_done else outcome.error or "it failed"
+        step = CommandStep(text, line)
         return JSONResponse(shown(step, is_done=is_done, error=error) | {"output": outcome.out})
 
     async def export(self, request: Request) -> Response:

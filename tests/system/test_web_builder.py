@@ -166,7 +166,7 @@ def ports_are_named(page: browser.Browser) -> None:
 
 def generate(page: browser.Browser) -> None:
     page.press("Generate …")
-    page.wait_for(is_there("dialog.generate[open]"))
+    page.wait_for(shows("dialog.generate[open]", "rtbuild --output="))
     page.press("Generate")
     page.wait_for(f"!({is_there('dialog[open]')})")
     page.wait_for(shows(".written", "rtbuild"))

@@ -1,10 +1,10 @@
-import { useState } from 'react';
+import { useEffect, useMemo, useState } from 'react';
 
 import { Modal } from '../../parts/Modal';
 import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
 import { useTexts } from '../../texts';
-import { fateOf, writeFiles, type Choice, type FilePreview, type Written } from './calls';
+import { commandOf, fateOf, writeFiles, type Choice, type FilePreview, type Written } from './calls';
 import { Comparison } from './CodeView';
 import { Fate } from './PreviewPane';
 import { useBuilderTexts } from './fields';
@@ -32,11 +32,19 @@ export function GenerateDialog({ form, folder, files, onClose, onWritten }: Prop
   const shown = asked.find((file) => file.name === at);
   const undecided = asked.some((file) => file.fate === 'conflict' && !choices[file.name]);
   const isNothing = files.every((file) => file.fate === 'unchanged' || (fateOf(file) === 'kept' && choices[file.name] === 'keep'));
+  const decided = useMemo(() => Object.fromEntries(Object.entries(choices).flatMap(([name, choice]): [string, Choice][] => (choice ? [[name, choice]] : []))), [choices]);
+  const [command, setCommand] = useState('');
+  useEffect(() => {
+    let isWanted = true;
+    commandOf(api, form, folder, decided).then((line) => isWanted && setCommand(line), (error: unknown) => isWanted && setProblem(sentence(error)));
+    return () => {
+      isWanted = false;
+    };
+  }, [api, form, folder, decided]);
   const write = () => {
     setBusy(true);
     setProblem('');
-    const decided = Object.entries(choices).flatMap(([name, choice]): [string, Choice][] => (choice ? [[name, choice]] : []));
-    writeFiles(api, form, folder, Object.fromEntries(decided)).then(
+    writeFiles(api, form, folder, decided).then(
       (written) => {
         setBusy(false);
         if (written.ok) onWritten(written);
@@ -80,6 +88,7 @@ export function GenerateDialog({ form, folder, files, onClose, onWritten }: Prop
       {isNothing && <p className="note">{texts.generate.nothing}</p>}
       {undecided && <p className="note warning">{texts.generate.undecided}</p>}
       {problem && <p className="error" role="alert">{problem}</p>}
+      {command && <p><code>{command}</code></p>}
       <footer>
         <button type="button" onClick={onClose}>{cancel}</button>
         <button type="button" className="primary" disabled={!canChange || isBusy || undecided || isNothing} onClick={write}>{texts.generate.go}</button>

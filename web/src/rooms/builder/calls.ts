@@ -26,6 +26,9 @@ export const openFile = (api: Api, file: string) => api.post<Opened>('/api/build
 export const openText = (api: Api, name: string, text: string) => api.post<Opened>('/api/builder/open', { name, text });
 export const writeFiles = (api: Api, form: Form, folder: string, choices: Record<string, Choice>) =>
   api.post<Written>('/api/builder/write', { form, folder, choices });
+/** The command line that would write the files. */
+export const commandOf = async (api: Api, form: Form, folder: string, choices: Record<string, Choice>) =>
+  (await api.post<Written>('/api/builder/write', { form, folder, choices, dry_run: true })).command;
 export const exportedText = async (api: Api, form: Form, kind: string) => (await api.post<{ text: string }>('/api/builder/export', { form, kind })).text;
 
 /** A short pause in typing, after which the preview is asked for [ms]. */
