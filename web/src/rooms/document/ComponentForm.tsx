@@ -47,7 +47,7 @@ export function ComponentForm({ component, picture, findings, document, onConnec
           {component.ports.map((port) => (
             <li key={port.name}>
               <p><strong>{port.name}</strong> <span className="note">{port.direction} · {portType(port)}</span>
-                <button type="button" className="quiet" disabled={isFixed} aria-label={texts.connectTitle(port.name)} onClick={() => onConnect(portPath({ component: id, port: port.name }))}>{texts.connect}</button></p>
+                <button type="button" className="quiet" disabled={isFixed} aria-label={`${texts.connect} ${port.name}`} onClick={() => onConnect(portPath({ component: id, port: port.name }))}>{texts.connect}</button></p>
               {wiresAt(picture.connectors, id, port.name).map((wire) => {
                 const far = wire.source.component === id && wire.source.port === port.name ? wire.target : wire.source;
                 return (

@@ -5,9 +5,13 @@ import { Icon } from '../../parts/icons';
 import { Modal } from '../../parts/Modal';
 import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
+import { isRoom } from '../../shell/rooms';
 import { checkCommand } from './picture';
 import type { Picture } from './types';
 import { useDocumentTexts, type OpenDocument } from './useDocument';
+
+/** The room that plans what brings the live system to a file. */
+const PLAN: string = 'plan';
 
 /** What a document is, whether it is saved, and what is done with all of it. */
 export function DocumentBar({ picture, document, onSaveAs }: { picture: Picture; document: OpenDocument; onSaveAs: () => void }) {
@@ -25,7 +29,7 @@ export function DocumentBar({ picture, document, onSaveAs }: { picture: Picture;
   useSaveKey(() => canChange && save());
   return (
     <header className="document-bar">
-      <button type="button" aria-label={texts.back} title={texts.back} onClick={() => show('document')}>{texts.all}</button>
+      <button type="button" title={texts.back} onClick={() => show('document')}>{texts.all}</button>
       <h2>{picture.name}</h2>
       <span className="note" title={picture.file}>{picture.file ? picture.file.slice(picture.file.lastIndexOf('/') + 1) : texts.unsaved}</span>
       {picture.is_changed && <strong className="changed">● {texts.changed}</strong>}
@@ -38,6 +42,7 @@ export function DocumentBar({ picture, document, onSaveAs }: { picture: Picture;
       <button type="button" disabled={!canChange || !picture.components.length} onClick={() => void document.edit({ do: 'arrange' })}><Icon name="arrange" />{texts.arrange}</button>
       <button type="button" className={picture.is_changed ? 'primary' : ''} disabled={!canChange || (!picture.is_changed && picture.file !== '')} onClick={save}>{texts.save}</button>
       <button type="button" disabled={!canChange} onClick={onSaveAs}>{texts.saveAs}</button>
+      {isRoom(PLAN) && picture.file && <button type="button" title={texts.restoreHint} onClick={() => show(PLAN, `do:${picture.file}`)}>{texts.restore}</button>}
       <CheckButton file={picture.file} />
       <button type="button" onClick={() => (picture.is_changed ? setAsking(true) : void close())}>{texts.close}</button>
       {isAsking && (

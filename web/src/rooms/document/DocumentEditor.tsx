@@ -65,7 +65,7 @@ export function DocumentEditor({ of }: { of: string }) {
   return (
     <EditorContext value={editor}>
       <RatesContext value={NO_RATES}>
-        <div className="room document" role="main" aria-label={picture.name}>
+        <main className="room document" aria-label={picture.name}>
           <DocumentBar picture={picture} document={document} onSaveAs={() => setSaving(true)} />
           <TypeList onAdd={(file) => void add(file)} />
           <div className="document-stage" role="presentation" ref={stage} onDragOver={(event) => event.dataTransfer.types.includes(TYPE_DATA) && event.preventDefault()} onDrop={onDrop}>
@@ -76,7 +76,7 @@ export function DocumentEditor({ of }: { of: string }) {
           <DocumentInspector picture={picture} system={system} selection={view.selection} document={document} focusCount={focusCount} onConnect={setFrom} onRemove={remove} />
           <FindingList picture={picture} />
           <p className="unseen" role="status">{document.done}</p>
-        </div>
+        </main>
         {from !== null && <ConnectPort system={system} from={from} onFrom={setFrom} onClose={() => setFrom(null)} onConnect={(source, target) => { setFrom(null); void edit({ do: 'connect', source, target }); }} />}
         {isSaving && <SaveDialog picture={picture} save={document.save} onClose={() => setSaving(false)} />}
       </RatesContext>

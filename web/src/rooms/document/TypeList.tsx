@@ -37,16 +37,16 @@ export function TypeList({ onAdd }: { onAdd: (file: string) => void }) {
     next.focus();
   };
   return (
-    <section className="document-types" aria-label={texts.types} onKeyDown={go} role="presentation">
+    <section className="document-types" aria-label={texts.types}>
       <h3>{texts.types} <span className="count">{types?.length ?? ''}</span></h3>
       <input type="search" aria-label={texts.typeFilter} placeholder={texts.typeFilter} value={filter} onChange={(event) => setFilter(event.target.value)} />
       <p className="note">{texts.typeHint}</p>
       {problem && <p className="error" role="alert">{problem}</p>}
       {types === null && !problem && <p className="empty">{texts.looking}</p>}
       {types?.length === 0 && <p className="empty">{texts.noTypes}</p>}
-      <div className="rows" ref={list}>
+      <div className="rows" ref={list} onKeyDown={go} role="presentation">
         {shown.map((one) => (
-          <button key={one.file} type="button" disabled={!canChange} draggable={canChange} title={`${one.id}\n${one.file}\n${one.description}`} aria-label={texts.addType(one.name, one.category)}
+          <button key={one.file} type="button" disabled={!canChange} draggable={canChange} title={`${one.id}\n${one.file}\n${one.description}`}
             onDragStart={(event) => event.dataTransfer.setData(TYPE_DATA, one.file)} onClick={() => onAdd(one.file)}>
             <strong>{one.name}</strong><span className="note">{one.category} · {one.version} · {texts.ports(one.ports)}</span>
           </button>

@@ -9,7 +9,7 @@ export const documentTexts = {
   undo: 'Undo', redo: 'Redo', undoOf: (what: string) => `Undo: ${what}`, redoOf: (what: string) => `Redo: ${what}`, arrange: 'Arrange all', restore: 'Restore …',
   restoreHint: 'Plans what brings the live system to this file', check: 'Copy the command of the check', copied: 'Copied',
   types: 'Component types', typeFilter: 'Filter types', typeHint: 'Enter adds a type, or drag it into the diagram.', noTypes: 'No component profile is found in the granted folders.', looking: 'Looking for profiles …',
-  addType: (name: string, id: string) => `Add ${name} (${id})`, ports: (n: number) => (n === 1 ? '1 port' : `${n} ports`),
+  ports: (n: number) => (n === 1 ? '1 port' : `${n} ports`),
   findings: 'Findings', clean: 'The checks find nothing.', counts: (errors: number, warnings: number, notes: number) => `${errors} errors, ${warnings} warnings, ${notes} notes`,
   severity: { error: 'error', warning: 'warning', note: 'note' }, untyped: 'type unknown', required: 'required', optional: 'optional', included: 'included', fine: 'checked',
   emptyDiagram: 'This diagram is empty: add a component type from the list.',

@@ -10,7 +10,7 @@ export const documentTexts: DocumentTexts = {
   undo: '元に戻す', redo: 'やり直す', undoOf: (what) => `元に戻す: ${what}`, redoOf: (what) => `やり直す: ${what}`, arrange: 'すべて整列', restore: '復元…',
   restoreHint: '動作中のシステムをこのファイルの状態にする計画を立てます', check: '検査のコマンドをコピー', copied: 'コピーしました',
   types: 'コンポーネントの型', typeFilter: '型を絞り込む', typeHint: 'Enter で追加、または図へドラッグします。', noTypes: '許可されたフォルダーにコンポーネントプロファイルがありません。', looking: 'プロファイルを探しています…',
-  addType: (name, id) => `${name} (${id}) を追加`, ports: (n) => `ポート ${n} 個`,
+  ports: (n) => `ポート ${n} 個`,
   findings: '検査結果', clean: '検査で問題は見つかりません。', counts: (errors, warnings, notes) => `エラー ${errors}、警告 ${warnings}、注記 ${notes}`,
   severity: { error: 'エラー', warning: '警告', note: '注記' }, untyped: '型が不明', required: '必須', optional: '任意', included: '取り込み', fine: '検査済み',
   emptyDiagram: 'この図は空です。一覧からコンポーネントの型を追加してください。',

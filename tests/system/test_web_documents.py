@@ -1,0 +1,182 @@
+"""Offline diagrams of the page: system profiles, edited with nothing running."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import browser
+import pytest
+from shells import Shell
+from webkit import WebClient, served
+
+from rtkit.profile.read import read_file
+from rtkit.profile.rts_model import RtsProfile
+from rtkit.resources import resource
+
+AXE = Path(__file__).parents[2] / "web/node_modules/axe-core/axe.min.js"
+NAME = "sensor-controller-motor.xml"
+NODE = ".document .react-flow__node"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A granted folder with a system profile."""
+    granted = tmp_path / "granted"
+    granted.mkdir()
+    (granted / NAME).write_bytes(Path(resource("profiles"), "systems", NAME).read_bytes())
+    return granted
+
+
+@pytest.fixture
+def client(shell: Shell, folder: Path) -> Iterator[WebClient]:
+    with served(shell, f"--root {folder}") as client:
+        yield client
+
+
+def profile_in(file: Path) -> RtsProfile:
+    profile = read_file(str(file)).profile
+    assert isinstance(profile, RtsProfile)
+    return profile
+
+
+def test_an_edit_is_told_to_all_pages_and_saved_when_asked(client: WebClient, folder: Path) -> None:
+    file = folder / NAME
+    before = file.read_bytes()
+    with client.stream() as other:
+        other.next("picture")
+        picture = client.post("/api/documents/open", {"file": str(file)})
+        path = f"/api/documents/{picture['id']}"
+        assert client.post("/api/documents/open", {"file": str(file)})["id"] == picture["id"]
+        edit = {"do": "rename", "component": "Motor0", "name": "Wheels"}
+        changed = client.post(f"{path}/edit", {"edit": edit})
+        news = other.next("document")
+        assert news == {"id": picture["id"], "revision": changed["revision"]}
+        assert client.post(path, {})["components"] == changed["components"]
+        assert file.read_bytes() == before
+        file.write_bytes(before + b"\n")
+        answer = client.ask("POST", f"{path}/save", {})
+        assert answer.status == 409
+        assert "changed by somebody else" in answer.body["error"]["text"]
+        assert not client.post(f"{path}/save", {"replace": True})["is_changed"]
+    assert "Wheels" in {each.instance_name for each in profile_in(file).components}
+
+
+def test_files_outside_of_the_granted_folders_are_refused(
+    client: WebClient, folder: Path, tmp_path: Path
+) -> None:
+    outside = tmp_path / "outside.xml"
+    outside.write_bytes((folder / NAME).read_bytes())
+    (folder / "link.xml").symlink_to(outside)
+    for file in (outside, folder / ".." / "outside.xml", folder / "link.xml"):
+        answer = client.ask("POST", "/api/documents/open", {"file": str(file)})
+        assert answer.status == 409, answer
+    picture = client.post("/api/documents/new", {"name": "New"})
+    for file in (tmp_path / "made.xml", folder / "link.xml", folder / "made.txt"):
+        save = {"file": str(file), "replace": True}
+        answer = client.ask("POST", f"/api/documents/{picture['id']}/save", save)
+        assert answer.status == 409, answer
+    assert outside.read_bytes() == (folder / NAME).read_bytes()
+
+
+def test_a_page_that_only_reads_opens_and_changes_nothing(shell: Shell, folder: Path) -> None:
+    with served(shell, f"--read-only --root {folder}") as client:
+        picture = client.post("/api/documents/open", {"file": str(folder / NAME)})
+        path = f"/api/documents/{picture['id']}"
+        asked: list[tuple[str, Any]] = [
+            (f"{path}/edit", {"edit": {"do": "arrange"}}), (f"{path}/move", {"way": "undo"}),
+            (f"{path}/save", {}), ("/api/documents/new", {"name": "New"}),
+        ]  # fmt: skip
+        for at, body in asked:
+            assert client.ask("POST", at, body).status == 403, at
+
+
+def node(id: str) -> str:
+    return f'{NODE}[data-id="{id}"]'
+
+
+def is_there(selector: str) -> str:
+    return f"document.querySelector({selector!r}) !== null"
+
+
+@pytest.mark.skipif(browser.NAME is None, reason="chromium is not installed")
+def test_a_diagram_is_edited_in_the_browser(
+    client: WebClient, folder: Path, tmp_path: Path
+) -> None:
+    file = folder / NAME
+    with browser.opened(str(tmp_path), "", "") as page:
+        page.picture("/dev/null", 1440, 900)  # sets the size of the window
+        page.go(f"http://127.0.0.1:{client.port}/#view=document&token={client.token}")
+        page.press(NAME)
+        page.wait_for(is_there(node("Motor0")))
+        # By keyboard: a type of the list, a name, a connector.
+        page.wait_for(is_there(".document-types .rows button"))
+        page.type(".document-types input", "controller")
+        page.wait_for("document.querySelectorAll('.document-types .rows button').length === 1")
+        page.evaluate("document.querySelector('.document-types .rows button').focus()")
+        page.key("Enter")
+        page.wait_for(is_there(node("Controller1")))
+        page.type(".document-inspector form input", "Brain")
+        page.key("Enter")
+        page.wait_for(is_there(node("Brain")))
+        page.evaluate(f"document.querySelector({node('Brain')!r}).focus()")
+        page.key("c")
+        page.press("Sensor0:distance")
+        page.wait_for("document.querySelectorAll('.document .react-flow__edge').length === 4")
+        # By mouse: a box is moved, which is one edit.
+        x, y = middle(page, f"{node('Motor0')} header")
+        for kind, dx in (("mouseMoved", 0), ("mousePressed", 0), ("mouseMoved", 30),
+                         ("mouseMoved", 60), ("mouseReleased", 60)):  # fmt: skip
+            page.mouse(kind, x + dx, y)
+        page.wait_for("document.body.textContent.includes('Move Motor0')")
+        page.key("s", is_control=True)
+        page.wait_for(f"!({is_there('.document .changed')})")
+        saved = profile_in(file)
+        assert {each.instance_name for each in saved.components} >= {"Brain", "Motor0"}
+        assert len(saved.data_port_connectors) == 4
+        # Back to the beginning.
+        page.evaluate("document.querySelector('.document-stage').focus()")
+        for _ in range(4):
+            page.evaluate("document.activeElement.blur()")
+            page.key("z", is_control=True)
+        page.wait_for(f"!({is_there(node('Controller1'))}) && !({is_there(node('Brain'))})")
+        page.wait_for(is_there(".document .changed"))
+        assert page.troubles() == []
+
+
+def middle(page: browser.Browser, selector: str) -> tuple[float, float]:
+    """Return the middle of an element of the diagram, which is moved and not scrolled."""
+    box = f"document.querySelector({selector!r}).getBoundingClientRect()"
+    found = page.evaluate(f"[{box}.x + {box}.width / 2, {box}.y + {box}.height / 2].join()")
+    x, y = map(float, found.split(","))
+    return x, y
+
+
+@pytest.mark.skipif(not AXE.is_file(), reason="axe-core is not installed")
+@pytest.mark.skipif(browser.NAME is None, reason="chromium is not installed")
+def test_axe_finds_nothing(client: WebClient, folder: Path, tmp_path: Path) -> None:
+    axe = AXE.read_text(encoding="utf-8")
+    with browser.opened(str(tmp_path), "", "") as page:
+        page.picture("/dev/null", 1440, 900)
+        page.go(f"http://127.0.0.1:{client.port}/#view=document&token={client.token}")
+        page.wait_for(is_there(".documents .links button"))
+        found = []
+        for is_dark in (False, True):
+            page.look(is_dark=is_dark)
+            page.evaluate("location.hash = 'view=document'")
+            page.wait_for(is_there(".documents .links button"))
+            found += page.violations(axe)
+            page.evaluate(f"location.hash = 'view=document&of={folder / NAME}'")
+            page.wait_for(is_there(node("Motor0")))
+            page.wait_for(is_there(".document-types .rows button"))
+            found += page.violations(axe)
+            page.evaluate(f"document.querySelector({node('Motor0')!r}).focus()")
+            page.key("c")
+            page.wait_for(is_there("dialog[open] .links button"))
+            found += page.violations(axe)
+            page.key("Escape")
+            page.wait_for(f"!({is_there('dialog[open]')})")
+            page.wait_for(is_there(".document-inspector .configuration"))
+            found += page.violations(axe)
+        assert found == []
