@@ -52,8 +52,10 @@ def _add(document: Document, edit: Action, types: TypeStock) -> Edited:
     return profile, f"Add {name}"
 
 
-def _free_place(document: Document) -> tuple[int, int]:
-    """Return a place below all that is drawn."""
+def _free_place(document: Document) -> tuple[int, int] | None:
+    """Return a place below all that is drawn; None where the layout places everything."""
+    if document.view.keys and not document.places():
+        return None
     layout = document.layout(records_of_view(document.view, document.catalogue), [])
     places = document.places()
     boxes = [{**box, **places.get(id, {})} for id, box in layout["boxes"].items()]

@@ -138,6 +138,17 @@ def test_a_component_is_added_renamed_connected_and_removed(tmp_path: Path) -> N
         document.move(-1)
 
 
+def test_a_component_is_added_beside_what_is_there(tmp_path: Path) -> None:
+    document = copied(tmp_path)
+    do(document, "add", type=type_file("Motor"))
+    assert document.places() == {}  # the layout places all, so that none lie on each other
+    do(document, "arrange")
+    do(document, "add", type=type_file("Motor"))
+    record = document.record([])
+    lowest = max(box["y"] for id, box in record["places"].items() if id != "Motor2")
+    assert record["places"]["Motor2"]["y"] > lowest
+
+
 def named(document: Document) -> set[str]:
     """Return the components that a profile names anywhere."""
     found = {each.instance_name for each in document.profile.components}
