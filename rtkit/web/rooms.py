@@ -14,6 +14,7 @@ from rtkit.web import (
     job_room,
     machines,
     ordering,
+    past,
     planning,
     ports,
     property_pages,
@@ -23,8 +24,18 @@ from rtkit.web import (
 from rtkit.web.site import WebSite
 
 ROOMS: Sequence[Callable[[WebSite], list[Route]]] = (
-    system.routes, files.routes, job_room.routes, values.routes, ports.routes, building.routes,
-    machines.routes, property_pages.routes, documents.routes,
-    planning.routes, comparing.routes, ordering.routes,
-)  # fmt: skip
+    system.routes,
+    files.routes,
+    job_room.routes,
+    values.routes,
+    ports.routes,
+    building.routes,
+    machines.routes,
+    property_pages.routes,
+    documents.routes,
+    planning.routes,
+    comparing.routes,
+    ordering.routes,
+    past.routes,
+)
 """Each returns the routes of its room."""

@@ -13,6 +13,7 @@ from rtkit.version import __version__
 from rtkit.web.feed import FeedUpdate
 from rtkit.web.jobs import Jobs
 from rtkit.web.pages import Pages
+from rtkit.web.past import KeptChanges
 from rtkit.web.replies import Denied
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ class WebSite:
         revision: Grows with each change.
         events: The last ones, with their times.
         closers: Called, one after the other, before the server ends.
+        past: The changes that have led here.
     """
 
     def __init__(self, session: Session, folders: Sequence[str], *, is_read_only: bool) -> None:
@@ -52,6 +54,8 @@ class WebSite:
         self.revision = 0
         self.events: deque[Record] = deque(maxlen=_KEPT_EVENTS)
         self.closers: list[Callable[[], Awaitable[object]]] = [self.jobs.close]
+        self.past = KeptChanges()
+        self._is_begun = False
 
     @property
     def records(self) -> SystemRecords:
@@ -77,6 +81,7 @@ class WebSite:
 
     def take(self, update: FeedUpdate) -> Record | None:
         """Take what the feed tells; return what has changed by it, None for nothing."""
+        is_first, self._is_begun = not self._is_begun, True
         change = change_between(self.records, update.records)
         self.update = update
         self.events.extend(update.events)
@@ -84,9 +89,14 @@ class WebSite:
             return None
         self.revision += 1
         fresh = {name: list(each.values()) for name, each in change.fresh._asdict().items()}
-        return {
+        told = {
             "revision": self.revision, **fresh, "gone": change.gone, "events": list(update.events),
         }  # fmt: skip
+        if is_first:  # what was before the first look is not known
+            told["time"] = self.past.begin(update.records, self.revision)
+        else:
+            self.past.stamp(told)
+        return told
 
     def picture(self) -> Record:
         """Return everything that is known now."""
@@ -97,6 +107,7 @@ class WebSite:
             "version": __version__,
             "read_only": self.is_read_only,
             "jobs": self.jobs.records(),
+            "since": self.past.since,
             **records,
         }
 

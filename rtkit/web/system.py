@@ -44,8 +44,12 @@ class _SystemRoom:
 
     async def layout(self, request: Request) -> Response:
         body = await body_of(request)
-        folded = list_in(body, "folded")
+        folded, moment = list_in(body, "folded"), body.get("at")
+        if moment is not None and (isinstance(moment, bool) or not isinstance(moment, int | float)):
+            raise Malformed("at: a time is wanted [s since 1970]")
         revision, records = self._site.revision, self._site.records
+        if moment is not None:
+            records = self._site.past.at(moment)
         if "shown" in body:
             records = part_of(records, frozenset(list_in(body, "shown")))
         layout = await asyncio.to_thread(arranged, records, folded)

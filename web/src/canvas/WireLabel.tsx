@@ -21,30 +21,15 @@ export const WireLabel = memo(function WireLabel({ wire, hz, x, y, room }: Props
   const most = Math.min(Math.max(Math.floor(room / SIGN), LEAST), MOST);
   const value = shortValue(sample, most);
   const since = isStale(hz, sample) && sample?.at ? age(sample.at, now) : '';
-  // The worst comes first: where there is little room, the rest is left out.
-  const told = fitting([
-    wire.trouble && '⚠',
-    pressure?.dropped && `▼ ${pressure.dropped}`,
-    pressure?.isTight && `▤ ${pressure.waiting}/${pressure.length}`,
-    since && `◷ ${since}`,
-    hz !== null && rateText(hz),
-  ], most);
+  // Signs tell what is amiss also where there is no room for numbers: those are in the inspector.
+  const amiss = pressure?.dropped ? { sign: '▼', text: `▼ ${pressure.dropped}` } : pressure?.isTight ? { sign: '▤', text: `▤ ${pressure.waiting}/${pressure.length}` } : null;
+  const flow = [wire.trouble && '⚠', since ? `◷ ${since}` : hz !== null && rateText(hz)].filter(Boolean).join(' ');
+  const long = [flow, amiss?.text].filter(Boolean).join(' ');
+  const told = long.length <= most ? long : [flow, amiss?.sign].filter(Boolean).join(' ');
   return (
     <>
-      {told && <text x={x} y={y - 5} className={`${since && 'is-stale'} ${pressure?.dropped || pressure?.isTight ? 'is-tight' : ''}`}>{told}</text>}
+      {told && <text x={x} y={y - 5} className={`${since && 'is-stale'} ${amiss ? 'is-tight' : ''}`}>{told}</text>}
       {value && <text x={x} y={y + 11} className="value">{value}</text>}
     </>
   );
 });
-
-/** Parts, one behind the other, as many as fit; the first one always. */
-function fitting(parts: readonly (string | number | false | null | undefined)[], most: number): string {
-  let told = '';
-  for (const part of parts) {
-    if (!part) continue;
-    const longer = told ? `${told} · ${part}` : String(part);
-    if (told && longer.length > most) continue;
-    told = longer;
-  }
-  return told;
-}

@@ -6,6 +6,8 @@ export interface System {
   host: string;
   version: string;
   isReadOnly: boolean;
+  /** The first moment that the server knows [s since 1970]. */
+  since: number;
   managers: ReadonlyMap<string, Manager>;
   processes: ReadonlyMap<string, Process>;
   components: ReadonlyMap<string, Component>;
@@ -32,7 +34,7 @@ export const EVENTS_KEPT = 1000;
 const NO_RATES: Rates = { connectors: {}, components: {} };
 
 export const EMPTY_SYSTEM: System = {
-  revision: 0, host: '', version: '', isReadOnly: false,
+  revision: 0, host: '', version: '', isReadOnly: false, since: 0,
   managers: new Map(), processes: new Map(), components: new Map(), connectors: new Map(),
   events: [], rates: NO_RATES, jobs: new Map(), structure: 0, isKnown: false,
 };
@@ -60,7 +62,7 @@ function newer(events: readonly TreeEvent[], earlier: readonly TreeEvent[]): Tre
 
 function fromPicture(system: System, picture: Picture): System {
   return {
-    revision: picture.revision, host: picture.host, version: picture.version, isReadOnly: picture.read_only,
+    revision: picture.revision, host: picture.host, version: picture.version, isReadOnly: picture.read_only, since: picture.since,
     managers: byId(picture.managers), processes: byId(picture.processes),
     components: byId(picture.components), connectors: byId(picture.connectors),
     events: system.events, rates: NO_RATES, jobs: byId(picture.jobs), structure: system.structure + 1, isKnown: true,

@@ -57,7 +57,7 @@ export interface Records {
   managers: Manager[]; processes: Process[]; components: Component[]; connectors: Connector[];
 }
 
-export interface Picture extends Records { revision: number; host: string; version: string; read_only: boolean; jobs: Job[] }
+export interface Picture extends Records { revision: number; since: number; host: string; version: string; read_only: boolean; jobs: Job[] }
 
 export interface Change extends Records {
   revision: number; time: number;

@@ -1,4 +1,4 @@
-import { memo, useState } from 'react';
+import { memo, useState, type ReactNode } from 'react';
 
 import { matches } from '../model/search';
 import type { TreeEvent } from '../model/types';
@@ -11,7 +11,7 @@ import { useTexts } from '../texts';
 const SHOWN = 200;
 
 /** What has happened, the newest first. A click selects the component. */
-export const EventsPanel = memo(function EventsPanel({ events }: { events: readonly TreeEvent[] }) {
+export const EventsPanel = memo(function EventsPanel({ events, children }: { events: readonly TreeEvent[]; children?: ReactNode }) {
   const texts = useTexts();
   const { reveal } = useEditor();
   const [filter, setFilter] = useState('');
@@ -28,6 +28,7 @@ export const EventsPanel = memo(function EventsPanel({ events }: { events: reado
           <Icon name={held ? 'play' : 'pause'} />{held ? texts.events.resume : texts.events.pause}{missed > 0 && <span className="count">{texts.events.waiting(missed)}</span>}
         </button>
       </div>
+      {children}
       {shown.length === 0 ? <p className="empty">{texts.events.none}</p> : (
         // A region that scrolls must be reachable by Tab, else it cannot be scrolled by keys.
         // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex

@@ -17,8 +17,8 @@ export interface Api {
   follow: (path: string, listener: StreamListener) => () => void;
   /** An answer that is no JSON. */
   fetched: (path: string) => Promise<Response>;
-  /** `shown` are the components to lay out, null for all. */
-  layout: (folded: string[], shown: string[] | null) => Promise<Layout>;
+  /** `shown` are the components to lay out, null for all; `at` is a past moment, null for the present. */
+  layout: (folded: string[], shown: string[] | null, at: number | null) => Promise<Layout>;
   act: (actions: Action[], isDryRun: boolean) => Promise<Done>;
   connectable: (port: string) => Promise<Connectable[]>;
   events: () => Promise<TreeEvent[]>;
@@ -37,7 +37,7 @@ export function createApi(token: string): Api {
     post,
     follow: (path, listener) => followStream(token, path, listener),
     fetched: (path) => answered(path, { headers }),
-    layout: (folded, shown) => post<Layout>('/api/layout', { folded, ...(shown && { shown }) }),
+    layout: (folded, shown, at) => post<Layout>('/api/layout', { folded, ...(shown && { shown }), ...(at !== null && { at }) }),
     act: (actions, isDryRun) => post<Done>('/api/do', { actions, dry_run: isDryRun }),
     connectable: async (port) => (await get<{ ports: Connectable[] }>(`/api/connectable?port=${encodeURIComponent(port)}`)).ports,
     offers: (manager) => get<Offers>(`/api/offers?manager=${encodeURIComponent(manager)}`),

@@ -32,6 +32,11 @@ export interface Values {
   begin: () => void;
 }
 
+/** Nothing flows: for what was. */
+export const NO_VALUES: Values = {
+  page: '', subscribe: () => () => undefined, latest: () => undefined, kept: () => [], take: () => undefined, begin: () => undefined,
+};
+
 export function createValues(api: Pick<Api, 'post'>, page: string): Values {
   const listeners = new Map<string, Set<() => void>>();
   const latest = new Map<string, Sample>();

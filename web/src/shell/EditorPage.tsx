@@ -17,7 +17,9 @@ import { TableView } from '../panels/TableView';
 import { TreePanel } from '../panels/TreePanel';
 import { createApi } from '../server/api';
 import { createSubscriptions } from '../server/subscriptions';
-import { createValues } from '../server/values';
+import { PastBanner, TimeLine } from '../rooms/past/TimeLine';
+import { usePast } from '../rooms/past/usePast';
+import { NO_VALUES, createValues } from '../server/values';
 import { useTexts, type Texts } from '../texts';
 import { Banner } from './Banner';
 import { KeysDialog } from './KeysDialog';
@@ -47,14 +49,16 @@ export function EditorPage({ token, settings, onDenied }: Props) {
   const { add } = toasts;
   const onNotice = useCallback(({ level, text }: Notice) => add({ level, title: text, lines: [], command: '', canUndo: false }), [add]);
   const onError = useCallback((text: string) => onNotice({ level: 'error', text }), [onNotice]);
-  const { system, link, lostAt } = useSystem(token, api, subscriptions, values, onNotice);
+  const { system: live, link, lostAt } = useSystem(token, api, subscriptions, values, onNotice);
+  const past = usePast(api, subscriptions, onError);
+  const system = past.system ?? live;
   const [view, dispatch] = useReducer(reduceView, FIRST_VIEW, (first) => arrived(first, addressOf(location.hash)));
   useAddress(view, dispatch);
   const shown = useScope(system, view.scope);
-  const layout = useLayout(api, system.structure, view.folded, shown, onError);
+  const layout = useLayout(api, system.structure, view.folded, shown, past.layoutAt, onError);
   const { asked, history, perform, move } = useActions(api, toasts);
-  const canChange = link === 'up' && !system.isReadOnly;
-  const editor = useEditorValue(api, subscriptions, values, canChange, system, dispatch, perform);
+  const canChange = link === 'up' && !live.isReadOnly && past.time === null;
+  const editor = useEditorValue(api, subscriptions, past.time === null ? values : NO_VALUES, canChange, system, dispatch, perform);
   useEffect(() => {
     if (link === 'denied') onDenied();
   }, [link, onDenied]);
@@ -87,7 +91,7 @@ export function EditorPage({ token, settings, onDenied }: Props) {
       remove,
       connect,
       all: () => editor.select([...part.components.keys()]),
-      clear: () => editor.select([]),
+      clear: () => (past.time === null ? editor.select([]) : past.go(null)),
     }),
   });
   // Panels are about what lives; a room has the whole page.
@@ -96,9 +100,9 @@ export function EditorPage({ token, settings, onDenied }: Props) {
   return (
     <EditorContext value={editor}>
       <RatesContext value={system.rates}>
-        <div className={`page ${link === 'up' ? '' : 'is-stale'}`} data-tree={panels.tree} data-inspector={panels.inspector} data-events={panels.events}>
-          <TopBar system={system} view={view} history={history} settings={settings} onMove={(way) => void move(way)} />
-          <Banner link={link} lostAt={lostAt} managers={system.managers} />
+        <div className={`page ${link === 'up' ? '' : 'is-stale'} ${past.time === null ? '' : 'is-past'}`} data-tree={panels.tree} data-inspector={panels.inspector} data-events={panels.events}>
+          <TopBar system={past.system ? { ...system, isReadOnly: live.isReadOnly } : live} view={view} history={history} settings={settings} onMove={(way) => void move(way)} />
+          <Banner link={link} lostAt={lostAt} managers={system.managers}><PastBanner past={past} /></Banner>
           {panels.tree && <TreePanel managers={system.managers} processes={system.processes} components={system.components} shown={shown} scope={view.scope} selection={view.selection} filter={view.filter} />}
           {Room ? (
             <Suspense fallback={<main className="room"><p className="empty">{texts.bar.roomLoading}</p></main>}><Room system={system} view={view} /></Suspense>
@@ -113,14 +117,14 @@ export function EditorPage({ token, settings, onDenied }: Props) {
             </main>
           )}
           {panels.inspector && <Inspector system={system} view={view} focusCount={focusCount} />}
-          {panels.events && <EventsPanel events={system.events} />}
+          {panels.events && <EventsPanel events={system.events}><TimeLine since={live.since} events={live.events} past={past} /></EventsPanel>}
         </div>
         {dialog?.kind === 'palette' && <Palette system={system} given={{ system, view, selected, history, settings, onMove: move, onConnect: connect, onRemove: remove }} />}
         {dialog?.kind === 'keys' && <KeysDialog />}
         <Dialogs dialog={dialog} system={system} />
         {asked && <PlanDialog asked={asked} />}
         <ToastList toasts={toasts} onUndo={() => void move('undo')} />
-        <LiveRegion components={system.components} isKnown={system.isKnown} />
+        <LiveRegion components={live.components} isKnown={live.isKnown} />
       </RatesContext>
     </EditorContext>
   );

@@ -145,6 +145,10 @@ export const en = {
     title: 'Events', filter: 'Filter the events', pause: 'Pause', resume: 'Go on', time: 'Time', path: 'Path', event: 'Event', detail: 'Detail',
     none: 'Nothing has happened yet.', waiting: (n: number) => `${n} more`,
   },
+  past: {
+    line: 'Time line: arrow keys go from change to change', now: 'Now', at: (time: string, changes: number) => `${time}, after ${changes} changes`,
+    asItWas: (time: string) => `As it was at ${time}. Nothing can be changed here.`, loading: 'The past is being loaded …',
+  },
   table: {
     label: 'Components, ports and connectors as tables', components: 'Components', ports: 'Ports', connectors: 'Connectors', filter: 'Filter the tables',
     name: 'Name', type: 'Type', state: 'State', remark: 'Remark', process: 'Process', actions: 'Actions', component: 'Component', port: 'Port',

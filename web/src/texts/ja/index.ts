@@ -145,6 +145,10 @@ export const ja: Texts = {
     title: 'イベント', filter: 'イベントを絞り込む', pause: '一時停止', resume: '再開', time: '時刻', path: 'パス', event: 'イベント', detail: '詳細',
     none: 'まだ何も起きていません。', waiting: (n) => `ほか ${n} 件`,
   },
+  past: {
+    line: '時間軸: 矢印キーで変化ごとに移動', now: '現在', at: (time, changes) => `${time} (変化 ${changes} 件の後)`,
+    asItWas: (time) => `${time} の時点の状態です。ここでは何も変更できません。`, loading: '過去を読み込んでいます…',
+  },
   table: {
     label: 'コンポーネント、ポート、コネクタの表', components: 'コンポーネント', ports: 'ポート', connectors: 'コネクタ', filter: '表を絞り込む',
     name: '名前', type: '型', state: '状態', remark: '備考', process: 'プロセス', actions: '操作', component: 'コンポーネント', port: 'ポート',
