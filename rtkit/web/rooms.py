@@ -12,6 +12,7 @@ from rtkit.web import (
     documents,
     files,
     job_room,
+    logs,
     machines,
     ordering,
     past,
@@ -37,5 +38,6 @@ ROOMS: Sequence[Callable[[WebSite], list[Route]]] = (
     comparing.routes,
     ordering.routes,
     past.routes,
+    logs.routes,
 )
 """Each returns the routes of its room."""

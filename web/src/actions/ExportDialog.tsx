@@ -1,6 +1,7 @@
 import { useState } from 'react';
 
 import { EXPORT_FORMS, type ExportForm } from '../model/types';
+import { download } from '../parts/download';
 import { Modal } from '../parts/Modal';
 import { download } from '../parts/download';
 import { sentence } from '../server/api';

@@ -11,6 +11,7 @@ type Part = LazyExoticComponent<ComponentType<RoomProps>>;
 export const ROOMS = {
   plan: lazy(() => import('../rooms/plan/PlanRoom')),
   properties: lazy(() => import('../rooms/properties/PropertyRoom')),
+  log: lazy(() => import('../rooms/log/LogRoom')),
   jobs: lazy(() => import('../rooms/jobs/JobsRoom')),
   document: lazy(() => import('../rooms/document/DocumentRoom')),
   machine: lazy(() => import('../rooms/machine/MachineRoom')),

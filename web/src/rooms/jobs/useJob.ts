@@ -7,6 +7,9 @@ import { useEditor } from '../../shell/contexts';
 /** Rows of a job, the number of the first of them, and why they are not known. */
 export interface JobRows { first: number; rows: readonly JobRow[]; error: string }
 
+/** As many as the server keeps. */
+const ROWS_KEPT = 10_000;
+
 const NO_ROWS: JobRows = { first: 0, rows: [], error: '' };
 
 /** Puts rows behind those that are known; rows that came by both ways count once. */
@@ -15,7 +18,9 @@ export function joined(known: JobRows, news: Pick<JobNews, 'first' | 'rows'>): J
   const next = known.first + known.rows.length;
   if (!rows.length || first + rows.length <= next) return known;
   if (!known.rows.length || first > next) return { ...known, first, rows };
-  return { ...known, rows: [...known.rows, ...rows.slice(next - first)] };
+  const all = [...known.rows, ...rows.slice(next - first)];
+  const dropped = Math.max(all.length - ROWS_KEPT, 0);
+  return { ...known, first: known.first + dropped, rows: all.slice(dropped) };
 }
 
 /** The rows that a job has told, and those that it tells from now on. */
