@@ -121,3 +121,64 @@ def test_a_recording_is_a_job_until_it_is_stopped(
     for name in ("/tmp/run.mcap", f"{folder}/../run.mcap", f"{folder}/run.py"):
         outside = client.ask("POST", "/api/record", {"ports": [PORTS[0]], "file": name})
         assert outside.status == 409
+
+
+def test_the_past_is_kept_as_pages_were_told(client: WebClient, flow: Shell) -> None:
+    with client.stream() as stream:
+        picture = stream.next("picture")
+        moment = client.ask("GET", "/api/past").body["since"]
+        flow.ok("rtmgr -c 'ConfigSample?instance_name=Brief0' /localhost/manager.mgr")
+        stream.until(lambda s: "/localhost/Brief0.rtc" in s.components)
+        flow.ok("rtexit /localhost/Brief0.rtc")
+        stream.until(lambda s: "/localhost/Brief0.rtc" not in s.components)
+    past = client.ask("GET", "/api/past").body
+    assert past["since"] == moment <= picture["components"][0]["since"] + 3600
+    came = next(each for each in past["changes"] if any(
+        one["id"] == "/localhost/Brief0.rtc" for one in each["components"]
+    ))  # fmt: skip
+    went = next(
+        each for each in past["changes"] if "/localhost/Brief0.rtc" in each["gone"]["components"]
+    )
+    assert came["time"] < went["time"]
+    assert {each["event"] for each in came["events"]} >= {"APPEARED"}
+    boxes = [
+        client.post("/api/layout", {"at": each["time"]})["boxes"].keys() for each in (came, went)
+    ]
+    assert boxes[0] - boxes[1] == {"/localhost/Brief0.rtc"}
+    answer = client.ask("POST", "/api/layout", {"at": "now"})
+    assert answer.status == 400
+
+
+def test_logs_are_followed_by_a_job(client: WebClient, flow: Shell) -> None:
+    with client.stream() as stream:
+        job = client.post("/api/logs", {"path": "/", "level": "INFO", "before": 5})
+        assert job["command"] == "rtvlog --json --level=INFO --number=5 -- /"
+        while not (news := stream.next("job")).get("rows"):
+            pass
+        assert {"time", "level", "manager", "component", "pid", "host", "message"} <= {
+            *news["rows"][0]
+        }
+        flow.ok("rtmgr -c 'ConfigSample?manager_name=fresh' /localhost/manager.mgr")
+        while not any(row["process"] == "fresh" for row in news.get("rows", ())):
+            news = stream.next("job")
+        client.post(f"/api/jobs/{job['id']}/stop", {})
+        while stream.next("job")["status"] is None:
+            pass
+    for body in (
+        {"level": "LOUD"},
+        {"path": "", "level": "INFO"},
+        {"level": "INFO", "before": "x"},
+    ):
+        assert client.ask("POST", "/api/logs", body).status == 400
+
+
+def test_a_page_that_is_read_only_looks_and_changes_nothing(flow: Shell, folder: Path) -> None:
+    with served(flow, f"--read-only --root {folder}") as client, client.stream("mine") as stream:
+        stream.until(lambda s: OUT in s.components)
+        client.post("/api/watch", {"page": "mine", "ports": PORTS})
+        until(stream, PORTS[0], lambda sample: sample["at"])
+        record = {"ports": [PORTS[0]], "file": f"{folder}/none.mcap"}
+        inject = {"actions": [{"do": "inject", "port": PORTS[1], "value": "1"}]}
+        for path, body in (("/api/record", record), ("/api/do", inject)):
+            answer = client.ask("POST", path, body)
+            assert (answer.status, answer.body["error"]["kind"]) == (403, "denied")

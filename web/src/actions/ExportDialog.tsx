@@ -1,33 +1,42 @@
 import { useState } from 'react';
 
 import { EXPORT_FORMS, type ExportForm } from '../model/types';
-import { download } from '../parts/download';
 import { Modal } from '../parts/Modal';
 import { download } from '../parts/download';
+import { pngOf } from '../parts/raster';
 import { sentence } from '../server/api';
 import { useEditor } from '../shell/contexts';
 import { useTexts } from '../texts';
 
-const ENDINGS: Record<ExportForm, string> = { svg: 'svg', dot: 'dot', mermaid: 'mmd', text: 'txt' };
+/** The forms of the exporter, and the one that the browser paints. */
+const FORMS = ['png', ...EXPORT_FORMS] as const;
+const ENDINGS: Record<ExportForm | 'png', string> = { png: 'png', svg: 'svg', dot: 'dot', mermaid: 'mmd', text: 'txt' };
 
-/** Saves the picture of the whole system, by the exporter of `rtcryo` and `rtstodot`. */
+/** Saves the picture of the whole system, by the exporter of `rtcryo` and `rtstodot`; or prints the page. */
 export function ExportDialog({ host }: { host: string }) {
   const texts = useTexts();
   const { api, open } = useEditor();
   const [problem, setProblem] = useState('');
   const close = () => open(null);
-  const save = async (form: ExportForm) => {
+  const save = async (form: ExportForm | 'png') => {
     try {
-      download(await api.exported(form), `${host}.${ENDINGS[form]}`);
+      const content = form === 'png' ? await pngOf(await api.exported('svg')) : await api.exported(form);
+      download(content, `${host}.${ENDINGS[form]}`);
       close();
     } catch (error) {
       setProblem(sentence(error));
     }
   };
+  const print = () => {
+    close();
+    // The dialog is not to be on the paper.
+    setTimeout(() => window.print());
+  };
   return (
     <Modal title={texts.exporting.title} className="export" onClose={close}>
       <ul>
-        {EXPORT_FORMS.map((form) => <li key={form}><button type="button" onClick={() => void save(form)}>{texts.exporting.forms[form]}</button><span className="note">{texts.exporting.hints[form]}</span></li>)}
+        {FORMS.map((form) => <li key={form}><button type="button" onClick={() => void save(form)}>{texts.exporting.forms[form]}</button><span className="note">{texts.exporting.hints[form]}</span></li>)}
+        <li><button type="button" onClick={print}>{texts.exporting.print}</button><span className="note">{texts.exporting.printHint}</span></li>
       </ul>
       {problem && <p className="error">{problem}</p>}
       <footer><button type="button" onClick={close}>{texts.plan.cancel}</button></footer>

@@ -51,14 +51,16 @@ export function EditorPage({ token, settings, onDenied }: Props) {
   const onError = useCallback((text: string) => onNotice({ level: 'error', text }), [onNotice]);
   const { system: live, link, lostAt } = useSystem(token, api, subscriptions, values, onNotice);
   const past = usePast(api, subscriptions, onError);
-  const system = past.system ?? live;
   const [view, dispatch] = useReducer(reduceView, FIRST_VIEW, (first) => arrived(first, addressOf(location.hash)));
   useAddress(view, dispatch);
+  // A room is about what it holds, not about a moment of the system.
+  const isPast = past.time !== null && !isRoom(view.kind);
+  const system = (isPast && past.system) || live;
   const shown = useScope(system, view.scope);
-  const layout = useLayout(api, system.structure, view.folded, shown, past.layoutAt, onError);
+  const layout = useLayout(api, system.structure, view.folded, shown, isPast ? past.layoutAt : null, onError);
   const { asked, history, perform, move } = useActions(api, toasts);
-  const canChange = link === 'up' && !live.isReadOnly && past.time === null;
-  const editor = useEditorValue(api, subscriptions, past.time === null ? values : NO_VALUES, canChange, system, dispatch, perform);
+  const canChange = link === 'up' && !live.isReadOnly && !isPast;
+  const editor = useEditorValue(api, subscriptions, isPast ? NO_VALUES : values, canChange, system, dispatch, perform);
   useEffect(() => {
     if (link === 'denied') onDenied();
   }, [link, onDenied]);
@@ -91,7 +93,7 @@ export function EditorPage({ token, settings, onDenied }: Props) {
       remove,
       connect,
       all: () => editor.select([...part.components.keys()]),
-      clear: () => (past.time === null ? editor.select([]) : past.go(null)),
+      clear: () => (isPast ? past.go(null) : editor.select([])),
     }),
   });
   // Panels are about what lives; a room has the whole page.
@@ -100,9 +102,9 @@ export function EditorPage({ token, settings, onDenied }: Props) {
   return (
     <EditorContext value={editor}>
       <RatesContext value={system.rates}>
-        <div className={`page ${link === 'up' ? '' : 'is-stale'} ${past.time === null ? '' : 'is-past'}`} data-tree={panels.tree} data-inspector={panels.inspector} data-events={panels.events}>
-          <TopBar system={past.system ? { ...system, isReadOnly: live.isReadOnly } : live} view={view} history={history} settings={settings} onMove={(way) => void move(way)} />
-          <Banner link={link} lostAt={lostAt} managers={system.managers}><PastBanner past={past} /></Banner>
+        <div className={`page ${link === 'up' ? '' : 'is-stale'} ${isPast ? 'is-past' : ''}`} data-tree={panels.tree} data-inspector={panels.inspector} data-events={panels.events}>
+          <TopBar system={isPast ? { ...system, isReadOnly: live.isReadOnly } : live} view={view} history={history} settings={settings} onMove={(way) => void move(way)} />
+          <Banner link={link} lostAt={lostAt} managers={system.managers}>{isPast && <PastBanner past={past} />}</Banner>
           {panels.tree && <TreePanel managers={system.managers} processes={system.processes} components={system.components} shown={shown} scope={view.scope} selection={view.selection} filter={view.filter} />}
           {Room ? (
             <Suspense fallback={<main className="room"><p className="empty">{texts.bar.roomLoading}</p></main>}><Room system={system} view={view} /></Suspense>

@@ -49,7 +49,7 @@ export function Plot({ label, samples, isHeld }: Props) {
 function optionsOf(names: readonly string[], at: HTMLElement): UPlot.Options {
   const style = getComputedStyle(at);
   const ink = style.color;
-  const axis = { stroke: ink, font: `10px ${style.fontFamily}`, grid: { stroke: style.borderColor, width: 1 }, ticks: { show: false }, size: 44 };
+  const axis = { stroke: ink, font: `10px ${style.fontFamily}`, grid: { stroke: style.borderColor, width: 1 }, ticks: { show: false }, size: 44, values: (_plot: UPlot, splits: number[]) => splits.map((each) => String(Number(each.toPrecision(4)))) };
   return {
     width: at.clientWidth, height: HEIGHT, pxAlign: false, legend: { show: names.length > 1, live: false },
     cursor: { drag: { x: false, y: false } },

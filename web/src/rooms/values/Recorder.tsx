@@ -5,8 +5,9 @@ import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
 import { useValuesTexts } from './useValuesTexts';
 
-/** A command that is stopped ends as by Ctrl-C. */
+/** A command that is stopped ends as by Ctrl-C. One that had begun has said more than that. */
 const STOPPED = [0, -2, 130];
+const hasRecorded = ({ status, error }: Job): boolean => STOPPED.includes(status ?? 0) && error !== 'interrupted';
 
 /** Records a port into a folder that was granted, by `rtlog`, until it is stopped. The recording goes on when the page is left. */
 export function Recorder({ port }: { port: string }) {
@@ -43,7 +44,7 @@ export function Recorder({ port }: { port: string }) {
       ) : folders ? <RecordForm port={port} folders={folders} onStart={start} onCancel={() => setFolders(null)} /> : (
         <button type="button" disabled={!canChange} onClick={() => void ask()}>{texts.record}</button>
       )}
-      {job && !isRunning && <p role="status">{!STOPPED.includes(job.status ?? 0) ? texts.recordFailed(job.error) : texts.recorded(job.text.slice(job.text.lastIndexOf('/') + 1))}</p>}
+      {job && !isRunning && <p role="status">{!hasRecorded(job) ? texts.recordFailed(job.error) : texts.recorded(job.text.slice(job.text.lastIndexOf('/') + 1))}</p>}
       {problem && <p className="bad" role="alert">{problem}</p>}
     </div>
   );

@@ -132,8 +132,8 @@ export const en = {
     found: (n: number) => (n === 0 ? 'The manager finds no module that is not loaded.' : `The manager finds ${n} that are not loaded.`),
   },
   exporting: {
-    open: 'Export …', title: 'Save the picture of the system', forms: { svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'Text' },
-    hints: { svg: 'a picture', dot: 'for Graphviz', mermaid: 'for Markdown pages', text: '80 columns wide' },
+    open: 'Export …', title: 'Save the picture of the system', print: 'Print …', printHint: 'what is seen now', forms: { png: 'PNG', svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'Text' },
+    hints: { png: 'an image of points, for slides and mails', svg: 'a picture', dot: 'for Graphviz', mermaid: 'for Markdown pages', text: '80 columns wide' },
   },
 
   palette: {

@@ -132,8 +132,8 @@ export const ja: Texts = {
     found: (n) => (n === 0 ? '未ロードのモジュールは見つかりません。' : `未ロードのモジュールが ${n} 個あります。`),
   },
   exporting: {
-    open: 'エクスポート…', title: 'システムの図を保存', forms: { svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'テキスト' },
-    hints: { svg: '画像', dot: 'Graphviz 用', mermaid: 'Markdown 用', text: '80 桁幅' },
+    open: 'エクスポート…', title: 'システムの図を保存', print: '印刷…', printHint: '表示中のもの', forms: { png: 'PNG', svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'テキスト' },
+    hints: { png: '点の画像、スライドやメール用', svg: '画像', dot: 'Graphviz 用', mermaid: 'Markdown 用', text: '80 桁幅' },
   },
 
   palette: {
