@@ -40,6 +40,7 @@ Paths = Mapping[str, Mapping["PortName", str]]
 def routes(site: WebSite) -> list[Route]:
     """Return the requests about values."""
     follower = PortFollower(site)
+    site.closers.append(follower.close)
 
     async def watch(request: Request) -> Response:
         body = await body_of(request)
@@ -64,7 +65,7 @@ class PortFollower:
         self._trees: dict[str, Tree] = {}
         self._asking: dict[str, asyncio.Task[None]] = {}
         self._again_at: dict[str, float] = {}
-        self._is_at_work = False
+        self._is_at_work = self._is_closed = False
         self._task: asyncio.Task[None] | None = None
 
     def follow(self, ports: Collection[str]) -> Record:
@@ -73,10 +74,16 @@ class PortFollower:
             self._task = asyncio.create_task(self._run())
         return {path: self._samples[path] for path in ports if path in self._samples}
 
+    async def close(self) -> None:
+        """Ask for nothing any more, and return when all connections are closed."""
+        self._is_closed = True
+        if self._task is not None:
+            await self._task
+
     async def _run(self) -> None:
         self._is_at_work = True
         try:
-            while wanted := self._site.pages.watched():
+            while not self._is_closed and (wanted := self._site.pages.watched()):
                 for manager, paths in self._by_manager(wanted).items():
                     is_due = monotonic() >= self._again_at.get(manager, 0.0)
                     if manager not in self._asking and is_due:
