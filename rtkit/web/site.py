@@ -12,8 +12,8 @@ from rtkit.link.places import host_name
 from rtkit.version import __version__
 from rtkit.web.feed import FeedUpdate
 from rtkit.web.jobs import Jobs
+from rtkit.web.kept_changes import KeptChanges
 from rtkit.web.pages import Pages
-from rtkit.web.past import KeptChanges
 from rtkit.web.replies import Denied
 
 if TYPE_CHECKING:
@@ -89,14 +89,14 @@ class WebSite:
             return None
         self.revision += 1
         fresh = {name: list(each.values()) for name, each in change.fresh._asdict().items()}
-        told = {
+        change_record = {
             "revision": self.revision, **fresh, "gone": change.gone, "events": list(update.events),
         }  # fmt: skip
         if is_first:  # what was before the first look is not known
-            told["time"] = self.past.begin(update.records, self.revision)
+            change_record["time"] = self.past.begin(update.records, self.revision)
         else:
-            self.past.stamp(told)
-        return told
+            self.past.stamp(change_record)
+        return change_record
 
     def picture(self) -> Record:
         """Return everything that is known now."""
