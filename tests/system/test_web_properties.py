@@ -59,6 +59,12 @@ class Site(NamedTuple):
         """Show the page of a property."""
         self.page.evaluate(f"location.hash = {json.dumps('#view=properties&of=' + of)}")
 
+    def come_back(self) -> None:
+        """Leave the page, and return to it in the same tab."""
+        address = self.page.evaluate("location.href")
+        self.page.go("about:blank")
+        self.page.go(address)
+
     def get(self, target: str) -> str:
         return self.shell.ok(f"rtget {target}").strip()
 
@@ -169,7 +175,8 @@ def test_a_page_is_put_together_saved_and_loaded(home: Site) -> None:
     page.press("Save")
     page.press("bench")
     page.wait_for("location.hash.endsWith('of=page:home/files.bench.page')")
-    page.evaluate("sessionStorage.removeItem('rtkit.page'); location.reload()")
+    page.evaluate("sessionStorage.removeItem('rtkit.page')")
+    home.come_back()
     page.wait_for(widget("home/lights/hall.on", "input") + "?.disabled === false")
     page.click('[data-name="home/lights/hall.on"] input')
     page.wait_for(widget("home/lights/hall.on", "output") + ".textContent === 'on'")
@@ -254,7 +261,7 @@ def test_a_joystick_that_is_let_go_sets_its_rest(home: Site) -> None:
 
 def test_a_page_that_goes_lets_go(home: Site) -> None:
     held(home)
-    home.page.evaluate("location.reload()")
+    home.come_back()
     home.page.wait_for("document.querySelector('.counts li') !== null")
     until(lambda: velocity_of(home) == REST, "the robot rests")
     home.page.key("ArrowLeft", ("keyUp",))
