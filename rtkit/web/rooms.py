@@ -6,35 +6,29 @@ from collections.abc import Callable, Sequence
 
 from starlette.routing import Route
 
-from rtkit.web import (
-    building,
-    comparing,
-    documents,
-    files,
-    job_room,
-    logs,
-    machines,
-    ordering,
-    past,
-    planning,
-    ports,
-    property_pages,
-    system,
-    values,
-)
+from rtkit.web import files
+from rtkit.web.builder import room as builder
+from rtkit.web.documents import room as documents
+from rtkit.web.flow import logs, past, ports, values
+from rtkit.web.jobs import room as jobs
+from rtkit.web.live import room as live
+from rtkit.web.machines import room as machines
+from rtkit.web.plans import comparing, ordering
+from rtkit.web.plans import room as plans
+from rtkit.web.properties import room as properties
 from rtkit.web.site import WebSite
 
 ROOMS: Sequence[Callable[[WebSite], list[Route]]] = (
-    system.routes,
+    live.routes,
     files.routes,
-    job_room.routes,
+    jobs.routes,
     values.routes,
     ports.routes,
-    building.routes,
+    builder.routes,
     machines.routes,
-    property_pages.routes,
+    properties.routes,
     documents.routes,
-    planning.routes,
+    plans.routes,
     comparing.routes,
     ordering.routes,
     past.routes,

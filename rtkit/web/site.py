@@ -11,8 +11,8 @@ from rtkit.api.live_records import Record, SystemRecords, change_between
 from rtkit.link.places import host_name
 from rtkit.version import __version__
 from rtkit.web.feed import FeedUpdate
-from rtkit.web.jobs import Jobs
-from rtkit.web.kept_changes import KeptChanges
+from rtkit.web.flow.kept_changes import KeptChanges
+from rtkit.web.jobs.jobs import Jobs
 from rtkit.web.pages import Pages
 from rtkit.web.replies import Denied
 

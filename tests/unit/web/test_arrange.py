@@ -12,7 +12,7 @@ from rtkit.api.live_scene import drawing_of
 from rtkit.deployment.facts import ProcessFacts
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
-from rtkit.web.arrange import arranged
+from rtkit.web.live.arrange import arranged
 
 MANAGER, SLAVE, COMPOSITE = (
     "/localhost/manager.mgr",

@@ -11,8 +11,8 @@ from rtkit.fast_dataclass import replace
 from rtkit.profile.read import read_file
 from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile_tools.new_component import ComponentHeading, data_port, new_component, parameter
-from rtkit.web.component_form import form_of, place_of, read_form
-from rtkit.web.form_checks import check_form
+from rtkit.web.builder.component_form import form_of, place_of, read_form
+from rtkit.web.builder.form_checks import check_form
 
 ROOT = Path(__file__).parents[3]
 FILES = sorted(

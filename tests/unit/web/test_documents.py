@@ -17,11 +17,11 @@ from rtkit.profile.read import read_file
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile.words import property_value
 from rtkit.resources import resource
-from rtkit.web.document import Document, opened
-from rtkit.web.document_edits import edited
-from rtkit.web.document_types import TypeStock
-from rtkit.web.document_view import fitting_ports
-from rtkit.web.running import outcome_of
+from rtkit.web.documents.component_types import TypeStock
+from rtkit.web.documents.document import Document, opened
+from rtkit.web.documents.document_edits import edited
+from rtkit.web.documents.document_view import fitting_ports
+from rtkit.web.jobs.running import outcome_of
 
 SHIPPED = Path(resource("profiles"))
 SYSTEM = SHIPPED / "systems" / "sensor-controller-motor.xml"

@@ -8,7 +8,7 @@ from collections.abc import Awaitable, Callable
 import pytest
 
 from rtkit.errors import LimitReached, NotFound
-from rtkit.web.jobs import Jobs
+from rtkit.web.jobs.jobs import Jobs
 from rtkit.web.pages import Pages
 
 
@@ -47,8 +47,8 @@ def test_a_job_that_fails_tells_why() -> None:
 
 
 def test_a_job_that_is_stopped_ends_as_by_ctrl_c(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rtkit.web.running._MAIN", "print('{}', flush=True); input()")
-    monkeypatch.setattr("rtkit.web.running.DEVNULL", asyncio.subprocess.PIPE)
+    monkeypatch.setattr("rtkit.web.jobs.running._MAIN", "print('{}', flush=True); input()")
+    monkeypatch.setattr("rtkit.web.jobs.running.DEVNULL", asyncio.subprocess.PIPE)
 
     async def body(jobs: Jobs) -> None:
         job = await jobs.start("wait", "Wait", ("wait",))
@@ -62,7 +62,7 @@ def test_a_job_that_is_stopped_ends_as_by_ctrl_c(monkeypatch: pytest.MonkeyPatch
 
 
 def test_there_are_not_more_than_may_be(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rtkit.web.jobs._MOST_RUNNING", 0)
+    monkeypatch.setattr("rtkit.web.jobs.jobs._MOST_RUNNING", 0)
 
     async def body(jobs: Jobs) -> None:
         with pytest.raises(LimitReached, match="stop one"):

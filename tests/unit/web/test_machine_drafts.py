@@ -10,8 +10,8 @@ import pytest
 
 from rtkit.errors import Malformed
 from rtkit.services.statemachine.rdf import read_machine
-from rtkit.web.machine_drafts import draft_of, record_of
-from rtkit.web.machine_layout import machine_layout
+from rtkit.web.machines.drafts import draft_of, record_of
+from rtkit.web.machines.machine_layout import machine_layout
 
 PATROL = Path(__file__).parents[1] / "services" / "statemachine" / "patrol.ttl"
 

@@ -7,7 +7,7 @@ import random
 from typing import Any
 
 from rtkit.api.live_records import SystemRecords, change_between
-from rtkit.web.kept_changes import KeptChanges
+from rtkit.web.flow.kept_changes import KeptChanges
 
 
 def moment(rng: random.Random) -> SystemRecords:

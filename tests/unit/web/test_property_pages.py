@@ -16,11 +16,11 @@ from rtkit.panel.description import Panel, element_of, read_panel
 from rtkit.panel.generic import generic
 from rtkit.property.reading import read
 from rtkit.property.writing import write
-from rtkit.web.foreign_components import ForeignComponents
-from rtkit.web.property_description import PropertyDescriptions, watched
-from rtkit.web.property_pages import set_line
-from rtkit.web.property_services import PropertyServices
-from rtkit.web.property_watches import shown_of
+from rtkit.web.properties.description import PropertyDescriptions, watched
+from rtkit.web.properties.foreign_components import ForeignComponents
+from rtkit.web.properties.property_services import PropertyServices
+from rtkit.web.properties.property_watches import shown_of
+from rtkit.web.properties.room import set_line
 from rtkit.wires.http.pages import COMPONENT_HEADERS
 
 ROBOT = (

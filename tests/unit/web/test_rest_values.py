@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 
 from rtkit.errors import Unreachable
-from rtkit.web.rest_values import ResettingValues, Rest
+from rtkit.web.properties.rest_values import ResettingValues, Rest
 
 LONG, SOON = Rest("(0 0)", 60.0), Rest("(0 0)", 0.01)
 

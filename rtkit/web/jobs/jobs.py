@@ -18,8 +18,8 @@ from itertools import count
 
 from rtkit.api.live_records import Record
 from rtkit.errors import LimitReached, NotFound
+from rtkit.web.jobs.running import message_of, started
 from rtkit.web.pages import Pages
-from rtkit.web.running import message_of, started
 
 JOB = "job"
 """The event that tells a job: that it began, has new rows, or has ended."""

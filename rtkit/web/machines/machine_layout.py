@@ -31,7 +31,7 @@ from rtkit.services.statemachine.model import (
     MachineState,
     is_in,
 )
-from rtkit.web.arrange import placed
+from rtkit.web.live.arrange import placed
 
 _WIDEST = 230.0
 """Pixels that the text of a transition, or the summary of a state, may have."""

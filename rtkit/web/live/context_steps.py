@@ -5,7 +5,7 @@ from __future__ import annotations
 from rtkit.api.live_records import SystemRecords
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.property.writing import write
-from rtkit.web.steps import Action, CommandStep, component_in, context_in, found_in
+from rtkit.web.live.steps import Action, CommandStep, component_in, context_in, found_in
 
 
 def rate(action: Action, records: SystemRecords) -> CommandStep:

@@ -14,8 +14,8 @@ from rtkit.errors import Malformed, Refused
 from rtkit.profile.read import read_bytes, read_rts
 from rtkit.profile_tools.ordering import NAMES, steps_in
 from rtkit.web.folders import granted
+from rtkit.web.live.steps import Action, CommandStep, list_in, text_in
 from rtkit.web.site import WebSite
-from rtkit.web.steps import Action, CommandStep, list_in, text_in
 
 
 def routes(site: WebSite) -> list[Route]:

@@ -15,10 +15,10 @@ from rtkit.profile_tools import system_edits as edits
 from rtkit.profile_tools.new_system import NewMember, default_instance
 from rtkit.profile_tools.stating import Statement, stated
 from rtkit.profile_tools.system_edits import Key
-from rtkit.web.document import Document
-from rtkit.web.document_types import TypeStock
-from rtkit.web.document_view import misfit, records_of_view
-from rtkit.web.steps import Action, list_in, listed, text_in, texts_in
+from rtkit.web.documents.component_types import TypeStock
+from rtkit.web.documents.document import Document
+from rtkit.web.documents.document_view import misfit, records_of_view
+from rtkit.web.live.steps import Action, list_in, listed, text_in, texts_in
 
 _HOST = "localhost"
 _MARGIN = 40

@@ -10,7 +10,7 @@ from rtkit import PropertyError
 from rtkit.api.asked import Ask
 from rtkit.api.live_records import Record
 from rtkit.services.statemachine.rdf import bare, read_machine
-from rtkit.web.machine_drafts import record_of
+from rtkit.web.machines.drafts import record_of
 from rtkit.web.pages import encoded
 
 if TYPE_CHECKING:

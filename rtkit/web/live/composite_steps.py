@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from rtkit.api.live_records import Record, SystemRecords
 from rtkit.errors import NotFound, Refused
-from rtkit.web.steps import (
+from rtkit.web.live.steps import (
     Action,
     CommandStep,
     component_in,

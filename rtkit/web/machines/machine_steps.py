@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from rtkit.errors import Malformed, Refused
 from rtkit.web.folders import granted
-from rtkit.web.steps import Action, CommandStep, text_in
+from rtkit.web.live.steps import Action, CommandStep, text_in
 
 ENDINGS = (".ttl", ".rdf", ".scxml")
 """Endings of files that hold machines: Turtle, RDF/XML, SCXML."""

@@ -13,13 +13,13 @@ from rtkit.api.live_records import Record
 from rtkit.api.live_scene import drawing_of
 from rtkit.drawing.export import FORMS, exported
 from rtkit.errors import Malformed, NotFound
-from rtkit.web.actions import steps_of
-from rtkit.web.arrange import arranged, part_of
-from rtkit.web.fitting import fitting, offers_of
+from rtkit.web.jobs.running import carried_out, records_from, shown
+from rtkit.web.live.actions import steps_of
+from rtkit.web.live.arrange import arranged, part_of
+from rtkit.web.live.fitting import fitting, offers_of
+from rtkit.web.live.steps import Action, CommandStep, list_in
 from rtkit.web.replies import body_of
-from rtkit.web.running import carried_out, records_from, shown
 from rtkit.web.site import WebSite
-from rtkit.web.steps import Action, CommandStep, list_in
 
 _TYPES = {"svg": "image/svg+xml"}
 

@@ -21,10 +21,10 @@ from rtkit.errors import Refused
 from rtkit.profile.read import read_rts
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile_tools.difference import Difference
-from rtkit.web.compared_scene import CHANGED, marks_of, pictured, subject_at, subject_in
 from rtkit.web.folders import granted
-from rtkit.web.planning import live_profile
-from rtkit.web.running import outcome_of
+from rtkit.web.jobs.running import outcome_of
+from rtkit.web.plans.compared_scene import CHANGED, marks_of, pictured, subject_at, subject_in
+from rtkit.web.plans.room import live_profile
 from rtkit.web.site import WebSite
 
 ADDED, REMOVED = "+", "-"

@@ -29,9 +29,8 @@ from rtkit.profile_tools.system_edits import identity
 from rtkit.report.finding import ERROR
 from rtkit.static_check.catalogue import Catalogue
 from rtkit.static_check.check import findings
-from rtkit.web.arrange import arranged
-from rtkit.web.document_types import TypeStock
-from rtkit.web.document_view import (
+from rtkit.web.documents.component_types import TypeStock
+from rtkit.web.documents.document_view import (
     DocumentView,
     bends_of,
     finding_records,
@@ -39,6 +38,7 @@ from rtkit.web.document_view import (
     records_of_view,
     viewed,
 )
+from rtkit.web.live.arrange import arranged
 
 _MOST_STEPS = 1000
 

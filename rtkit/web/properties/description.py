@@ -19,7 +19,7 @@ from rtkit.panel.generic import generic
 from rtkit.property.codes import PropertyError
 from rtkit.property.values import Element
 from rtkit.property.writing import write
-from rtkit.web.property_services import PropertyServices
+from rtkit.web.properties.property_services import PropertyServices
 
 _BOUND_S = 2.0
 _PLACE = "location"

@@ -20,10 +20,10 @@ from starlette.routing import Route
 from rtkit.api.live_records import Record
 from rtkit.errors import Malformed, Refused
 from rtkit.web.folders import granted
+from rtkit.web.jobs.running import outcome_of
+from rtkit.web.live.steps import Action, text_in, texts_in
 from rtkit.web.replies import body_of
-from rtkit.web.running import outcome_of
 from rtkit.web.site import WebSite
-from rtkit.web.steps import Action, text_in, texts_in
 
 KIND = "plan"
 """The kind of jobs that carry out a plan."""

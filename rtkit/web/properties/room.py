@@ -17,13 +17,13 @@ from rtkit.api.asked import Ask
 from rtkit.api.live_records import Record
 from rtkit.errors import Malformed, NotFound
 from rtkit.panel.description import Panel, read_panel
-from rtkit.web.foreign_components import ForeignComponents
 from rtkit.web.pages import NOTICE, PageStream
-from rtkit.web.property_description import PropertyDescriptions
-from rtkit.web.property_services import PropertyServices
-from rtkit.web.property_watches import PropertyWatch
+from rtkit.web.properties.description import PropertyDescriptions
+from rtkit.web.properties.foreign_components import ForeignComponents
+from rtkit.web.properties.property_services import PropertyServices
+from rtkit.web.properties.property_watches import PropertyWatch
+from rtkit.web.properties.rest_values import ResettingValues, Rest
 from rtkit.web.replies import body_of
-from rtkit.web.rest_values import ResettingValues, Rest
 from rtkit.web.site import WebSite
 from rtkit.wires.http.pages import COMPONENT_HEADERS
 

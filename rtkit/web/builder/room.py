@@ -27,13 +27,13 @@ from rtkit.profile.read import read_bytes
 from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile.write import write_profile
 from rtkit.profile_tools.new_component import ComponentHeading, new_component
-from rtkit.web.component_form import ERROR, WARNING, FieldFinding, Form, form_of, read_form
+from rtkit.web.builder.component_form import ERROR, WARNING, FieldFinding, Form, form_of, read_form
+from rtkit.web.builder.form_checks import check_form
 from rtkit.web.folders import granted, granted_folder, profiles_in
-from rtkit.web.form_checks import check_form
+from rtkit.web.jobs.running import outcome_of, shown
+from rtkit.web.live.steps import CommandStep
 from rtkit.web.replies import body_of
-from rtkit.web.running import outcome_of, shown
 from rtkit.web.site import WebSite
-from rtkit.web.steps import CommandStep
 
 _CALLBACKS = ("onInitialize", "onActivated", "onDeactivated", "onExecute")
 _CHOICES = ("keep", "replace", "merge")

@@ -11,7 +11,7 @@ from rtkit.component.constraint_check import Declared, misfit_of, read_constrain
 from rtkit.component.kinds import kind_of
 from rtkit.errors import Malformed, RtkitError
 from rtkit.rtc.names import near_port_name
-from rtkit.web.component_form import ERROR, WARNING, FieldFinding, Form, rows_of
+from rtkit.web.builder.component_form import ERROR, WARNING, FieldFinding, Form, rows_of
 from rtkit.web.folders import granted
 
 _NAME = re.compile(r"[A-Za-z0-9_-]+")

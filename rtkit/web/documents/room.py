@@ -13,14 +13,14 @@ from starlette.routing import Route
 from rtkit.api.live_records import Record
 from rtkit.errors import LimitReached, Malformed, NotFound
 from rtkit.profile_tools.new_system import new_system
-from rtkit.web.document import Document, opened
-from rtkit.web.document_edits import edited
-from rtkit.web.document_types import TypeStock
-from rtkit.web.document_view import fitting_ports
+from rtkit.web.documents.component_types import TypeStock
+from rtkit.web.documents.document import Document, opened
+from rtkit.web.documents.document_edits import edited
+from rtkit.web.documents.document_view import fitting_ports
 from rtkit.web.folders import granted
+from rtkit.web.live.steps import list_in, text_in
 from rtkit.web.replies import body_of
 from rtkit.web.site import WebSite
-from rtkit.web.steps import list_in, text_in
 
 DOCUMENT = "document"
 """Event that tells all pages that a document has changed, or that it was closed."""

@@ -18,10 +18,10 @@ from rtkit.services.statemachine.model import BadMachine
 from rtkit.services.statemachine.rdf import write_machine
 from rtkit.services.statemachine.texts import as_rdf_xml, read_text
 from rtkit.web.folders import granted, profiles_in
-from rtkit.web.machine_drafts import draft_of, record_of
-from rtkit.web.machine_layout import machine_layout
-from rtkit.web.machine_steps import ENDINGS
-from rtkit.web.machine_watch import news_of
+from rtkit.web.machines.drafts import draft_of, record_of
+from rtkit.web.machines.machine_layout import machine_layout
+from rtkit.web.machines.machine_steps import ENDINGS
+from rtkit.web.machines.machine_watch import news_of
 from rtkit.web.replies import body_of
 from rtkit.web.site import WebSite
 

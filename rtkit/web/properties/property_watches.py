@@ -20,7 +20,7 @@ from rtkit.panel.description import Panel, element_of
 from rtkit.property.codes import PropertyError
 from rtkit.property.writing import write
 from rtkit.web.pages import PageStream, encoded
-from rtkit.web.property_description import watched
+from rtkit.web.properties.description import watched
 
 OUTDATED = "outdated"
 """The event that tells a page to ask anew what it is to draw."""

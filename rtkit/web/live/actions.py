@@ -12,16 +12,9 @@ from uuid import uuid4
 
 from rtkit.api.live_records import SystemRecords
 from rtkit.errors import Malformed, Refused
-from rtkit.web import (
-    composite_steps,
-    configuration_steps,
-    context_steps,
-    machine_steps,
-    manager_steps,
-)
 from rtkit.web.folders import granted
-from rtkit.web.ordering import ordered
-from rtkit.web.steps import (
+from rtkit.web.live import composite_steps, configuration_steps, context_steps, manager_steps
+from rtkit.web.live.steps import (
     Action,
     CommandStep,
     component_in,
@@ -31,6 +24,8 @@ from rtkit.web.steps import (
     text_in,
     texts_in,
 )
+from rtkit.web.machines import machine_steps
+from rtkit.web.plans.ordering import ordered
 
 
 def steps_of(

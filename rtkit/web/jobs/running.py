@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from rtkit.api.live_records import Record
 from rtkit.errors import Refused, Unreachable
-from rtkit.web.steps import CommandStep
+from rtkit.web.live.steps import CommandStep
 
 _MAIN = "import sys; sys.argv[0] = 'rtkit'; from rtkit.cli import main; sys.exit(main())"
 _BOUND_S = 60.0

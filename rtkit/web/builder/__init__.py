@@ -1,0 +1,1 @@
+"""Components that are built by forms."""

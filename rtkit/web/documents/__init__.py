@@ -1,0 +1,1 @@
+"""System profiles that are edited with nothing running."""

@@ -1,0 +1,1 @@
+"""Values that flow, what was logged, and what was before."""

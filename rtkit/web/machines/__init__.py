@@ -1,0 +1,1 @@
+"""State machines that live, and drafts of them."""

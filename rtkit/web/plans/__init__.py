@@ -1,0 +1,1 @@
+"""Plans for systems, comparisons of systems, and the order of their parts."""

@@ -1,0 +1,1 @@
+"""Live properties, on pages of widgets."""
