@@ -22,33 +22,42 @@ export function TopBar({ system, view, history, settings, onMove }: Props) {
   const named = ({ label, refusal }: Entry) => (refusal ? texts.bar.refused(label, refusal) : label);
   return (
     <header className="bar">
-      <h1><img src="/icon.svg" alt="" width="20" height="20" />rtkit <span>{system.host}</span></h1>
-      <Counts counts={countsIn(system.components.values())} />
-      {system.isReadOnly && <span className="badge" title={texts.link.readOnlyHint}>{texts.link.readOnly}</span>}
-      <button type="button" className="search" aria-label={texts.bar.search} onClick={() => open({ kind: 'palette' })}><Icon name="search" /><span>{texts.bar.search}</span><kbd>Ctrl K</kbd></button>
-      <div className="group" role="group" aria-label={texts.bar.views}>
-        {(['diagram', 'table'] as const).map((kind) => <button key={kind} type="button" aria-pressed={view.kind === kind} onClick={() => show(kind)}>{texts.bar[kind]}</button>)}
-        {ROOM_KINDS.map((kind) => <button key={kind} type="button" aria-pressed={view.kind === kind} onClick={() => show(kind)}>{texts.bar.rooms[kind]}</button>)}
+      <div className="row">
+        <h1><img src="/icon.svg" alt="" width="20" height="20" />rtkit <span>{system.host}</span></h1>
+        <Counts counts={countsIn(system.components.values())} />
+        {system.isReadOnly && <span className="badge" title={texts.link.readOnlyHint}>{texts.link.readOnly}</span>}
+        <button type="button" className="search" aria-label={texts.bar.search} onClick={() => open({ kind: 'palette' })}><Icon name="search" /><span>{texts.bar.search}</span><kbd>Ctrl K</kbd></button>
+        <select aria-label={texts.bar.theme} title={texts.bar.theme} value={settings.theme} onChange={(event) => settings.setTheme(event.target.value as Theme)}>
+          {(['auto', 'light', 'dark'] as const).map((theme) => <option key={theme} value={theme}>{texts.bar.themes[theme]}</option>)}
+        </select>
+        <select aria-label={texts.bar.languageLabel} title={texts.bar.languageLabel} value={settings.language} onChange={(event) => settings.setLanguage(event.target.value as Language)}>
+          {Object.entries(LANGUAGES).map(([key, { language }]) => <option key={key} value={key} lang={key}>{language}</option>)}
+        </select>
+        <IconButton icon="help" label={`${texts.bar.help} (?)`} onClick={() => open({ kind: 'keys' })} />
       </div>
-      <div className="group">
-        <IconButton icon="undo" label={undo ? texts.bar.undoOf(named(undo)) : texts.bar.undo} isDisabled={!undo || !canChange} onClick={() => onMove('undo')} />
-        <IconButton icon="redo" label={redo ? texts.bar.redoOf(named(redo)) : texts.bar.redo} isDisabled={!redo || !canChange} onClick={() => onMove('redo')} />
-        <button type="button" disabled={!view.placed.size} onClick={arrange}><Icon name="arrange" />{texts.bar.arrange}</button>
+      <div className="row">
+        <div className="group views" role="group" aria-label={texts.bar.views}>
+          {(['diagram', 'table'] as const).map((kind) => <button key={kind} type="button" aria-pressed={view.kind === kind} onClick={() => show(kind)}>{texts.bar[kind]}</button>)}
+          {ROOM_KINDS.map((kind) => <button key={kind} type="button" aria-pressed={view.kind === kind} onClick={() => show(kind)}>{texts.bar.rooms[kind]}</button>)}
+        </div>
+        {/* These are about what lives; rooms have tools of their own. */}
+        {!isRoom(view.kind) && (
+          <div className="tools">
+            <div className="group">
+              <IconButton icon="undo" label={undo ? texts.bar.undoOf(named(undo)) : texts.bar.undo} isDisabled={!undo || !canChange} onClick={() => onMove('undo')} />
+              <IconButton icon="redo" label={redo ? texts.bar.redoOf(named(redo)) : texts.bar.redo} isDisabled={!redo || !canChange} onClick={() => onMove('redo')} />
+              <button type="button" disabled={!view.placed.size} onClick={arrange}><Icon name="arrange" />{texts.bar.arrange}</button>
+            </div>
+            <button type="button" onClick={() => open({ kind: 'export' })}>{texts.exporting.open}</button>
+            <div className="group">
+              {PANELS.map(([panel, icon]) => (
+                <IconButton key={panel} icon={icon} isPressed={view.panels[panel]} onClick={() => togglePanel(panel)}
+                  label={view.panels[panel] ? texts.bar.hide(texts.bar[panel]) : texts.bar.show(texts.bar[panel])} />
+              ))}
+            </div>
+          </div>
+        )}
       </div>
-      <button type="button" onClick={() => open({ kind: 'export' })}>{texts.exporting.open}</button>
-      <div className="group">
-        {!isRoom(view.kind) && PANELS.map(([panel, icon]) => (
-          <IconButton key={panel} icon={icon} isPressed={view.panels[panel]} onClick={() => togglePanel(panel)}
-            label={view.panels[panel] ? texts.bar.hide(texts.bar[panel]) : texts.bar.show(texts.bar[panel])} />
-        ))}
-      </div>
-      <select aria-label={texts.bar.theme} title={texts.bar.theme} value={settings.theme} onChange={(event) => settings.setTheme(event.target.value as Theme)}>
-        {(['auto', 'light', 'dark'] as const).map((theme) => <option key={theme} value={theme}>{texts.bar.themes[theme]}</option>)}
-      </select>
-      <select aria-label={texts.bar.languageLabel} title={texts.bar.languageLabel} value={settings.language} onChange={(event) => settings.setLanguage(event.target.value as Language)}>
-        {Object.entries(LANGUAGES).map(([key, { language }]) => <option key={key} value={key} lang={key}>{language}</option>)}
-      </select>
-      <IconButton icon="help" label={`${texts.bar.help} (?)`} onClick={() => open({ kind: 'keys' })} />
     </header>
   );
 }
