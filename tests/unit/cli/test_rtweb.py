@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import rtkit.web
 from rtkit.cli.system import rtweb
 from rtkit.errors import Refused, Unreachable
 
@@ -22,6 +23,7 @@ def test_an_installation_without_the_page_says_how_it_is_had(tmp_path: Path) -> 
 def test_without_the_extra_it_names_the_extra(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    monkeypatch.setattr(rtkit, "web", rtkit.web)  # what is imported below is forgotten again
     for name in [each for each in sys.modules if each.startswith("rtkit.web")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "starlette.applications", None)
@@ -30,11 +32,11 @@ def test_without_the_extra_it_names_the_extra(
 
 
 def test_a_port_that_is_taken_is_named() -> None:
-    from rtkit.web.server import HERE, listening
+    from rtkit.web.reach import HERE, reach_of
 
     with socket.socket() as other:
         other.bind((HERE, 0))
         other.listen()
         port = other.getsockname()[1]
         with pytest.raises(Unreachable, match=f"port {port}: Address already in use"):
-            listening(port)
+            reach_of(HERE, port, "", "")
