@@ -37,9 +37,11 @@ class PageStream:
 
     Attributes:
         ports: Paths of ports that the page shows values of.
+        is_over: Nothing more is sent than what waits.
     """
 
     def __init__(self) -> None:
+        self.is_over = False
         self.ports: frozenset[str] = frozenset()
         self._values: dict[str, Any] = {}
         self._properties: dict[str, Any] = {}
@@ -74,6 +76,11 @@ class PageStream:
     def put_properties(self, values: Mapping[str, Any]) -> None:
         """Have values of live properties sent; of each name the latest."""
         self._properties |= values
+        self._news.set()
+
+    def end(self) -> None:
+        """Send what waits, and then nothing more."""
+        self.is_over = True
         self._news.set()
 
     async def next(self) -> bytes:
@@ -131,6 +138,11 @@ class Pages:
         """Have a function called with each stream that ends."""
         self._ended.append(call)
 
+    def end(self) -> None:
+        """End all streams."""
+        for page in self._open.values():
+            page.end()
+
     def watch(self, id: str, ports: frozenset[str]) -> None:
         """Have a page sent the values of these ports, and of no others.
 
@@ -160,7 +172,7 @@ class Pages:
         self._open[id] = page
         try:
             yield encoded(PICTURE, picture())
-            while True:
+            while not page.is_over:
                 news = await page.next()
                 yield encoded(PICTURE, picture()) if page.take_behind() else news
         finally:

@@ -12,6 +12,7 @@ import ssl
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from importlib.resources import files
+from types import FrameType
 from typing import Any
 
 import uvicorn
@@ -96,6 +97,10 @@ class WebServer:
         self.failure = failure
         self.end()
 
+    def end_streams(self) -> None:
+        """Have the streams of all pages end when the loop looks next; signals may call it."""
+        self._site.pages.end()
+
     def _notice(self, text: str) -> None:
         self._site.pages.send(NOTICE, {"level": "warning", "text": text})
 
@@ -147,6 +152,19 @@ def _caching(path: str) -> str:
     return "public, max-age=31536000, immutable" if is_hashed else "no-store"
 
 
+class _Runner(uvicorn.Server):
+    """Ends the streams when it is told to end: pages would read theirs for ever."""
+
+    def __init__(self, config: uvicorn.Config, end_streams: Callable[[], object]) -> None:
+        super().__init__(config)
+        self._end_streams = end_streams
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Take a signal, on the thread of the event loop."""
+        self._end_streams()
+        super().handle_exit(sig, frame)
+
+
 def _never() -> None:
     """Stand for the end of a server that does not run."""
 
@@ -169,7 +187,7 @@ def serve(server: WebServer, listener: socket.socket, tls: ssl.SSLContext | None
     )
     config.load()
     config.ssl = tls
-    runner = uvicorn.Server(config)
+    runner = _Runner(config, server.end_streams)
     server.end = lambda: setattr(runner, "should_exit", True)
     runner.run(sockets=[listener])
     if server.failure is not None:

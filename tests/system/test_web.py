@@ -191,6 +191,17 @@ def test_it_serves_on_when_nobody_reads_its_output(pair: Shell) -> None:
     process.wait(20)
 
 
+def test_it_ends_without_a_word_while_pages_are_open(shell: Shell) -> None:
+    process = shell.open("rtweb --no-browser")
+    assert process.stdout is not None
+    address = process.stdout.readline().strip().removeprefix("http://127.0.0.1:")
+    port, token = address.split("/#token=")
+    with WebClient(int(port), token).stream() as stream:
+        stream.next("picture")
+        process.send_signal(signal.SIGINT)
+        assert shell.end_of(process).err == "rtweb: interrupted\n"
+
+
 @pytest.mark.parametrize(
     ("method", "path", "headers", "status"),
     [

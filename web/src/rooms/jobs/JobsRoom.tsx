@@ -12,6 +12,8 @@ import { useJobRows } from './useJob';
 
 /** More rows than these nobody reads. */
 const SHOWN = 500;
+/** The signal of Ctrl-C, which ends a job that is stopped. */
+const INTERRUPT = 2;
 
 /** Commands that go on for some time: what they are, what they have told, and their end. */
 export default function JobsRoom({ system, view }: RoomProps) {
@@ -64,7 +66,7 @@ function OneJob({ job }: { job: Job }) {
 
 function JobStatus({ job }: { job: Job }) {
   const texts = useRoomTexts({ en, ja });
-  return <span className="status">{job.status === null ? texts.runs : job.status === 0 ? texts.done : texts.failed(job.status)}</span>;
+  return <span className="status">{job.status === null ? texts.runs : job.status === 0 ? texts.done : job.status === -INTERRUPT ? texts.stopped : texts.failed(job.status)}</span>;
 }
 
 /** Stops a job as Ctrl-C does: it ends as its command promises, which may take a while. */

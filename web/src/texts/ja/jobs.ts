@@ -1,7 +1,7 @@
 import type { JobsTexts } from '../en/jobs';
 
 export const jobsTexts: JobsTexts = {
-  title: 'ジョブ', none: '実行中のコマンドも、終了したコマンドもありません。', which: 'ジョブ', status: '状態', rows: '行', runs: '実行中', done: '完了',
+  title: 'ジョブ', none: '実行中のコマンドも、終了したコマンドもありません。', which: 'ジョブ', status: '状態', rows: '行', runs: '実行中', done: '完了', stopped: '停止済み',
   failed: (status) => `失敗 (${status})`, stop: '停止', stopping: '停止しています…', noRows: 'まだ出力はありません。', all: 'すべてのジョブ',
   earlier: (n) => `これより前の ${n} 行は表示していません。`,
 };
