@@ -32,7 +32,7 @@ HELD = Create(
 )
 SOURCES = [Path(module.__file__).read_text(encoding="utf-8") for module in (loop, writer)]
 POINTS = sorted({name for text in SOURCES for name in re.findall(r'point\("duty\.(\w+)"', text)})
-DUTIES = sorted(set(re.findall(r'_Duty\(\s*"(\w+)"', SOURCES[0])))
+DUTIES = sorted(set(re.findall(r'\bDuty\(\s*"(\w+)"', SOURCES[0])))
 
 
 def test_all_that_the_loop_does_is_guarded() -> None:

@@ -96,9 +96,9 @@ def test_connect_configure_activate_and_save_by_keys_alone(
     search(page, "Activate")
     page.wait_for(has(f"{node(IN)} .look-active"))
 
-    search(page, "Files")
-    page.wait_for(has(f"{DIALOG} input[type=text]"))
-    tab_to(page, f"{DIALOG} input[type=text]")
+    search(page, "Plans")
+    page.wait_for(has(".plans input[type=text]"))
+    tab_to(page, ".plans input[type=text]")
     page.wait_for(f"document.activeElement.value.startsWith({json.dumps(str(folder))})")
     page.key("Enter")
     page.wait_for(tells(".toasts", "rtcryo"))
@@ -191,7 +191,7 @@ def test_axe_finds_no_barrier_in_any_view(page: browser.Browser, manager: Shell)
             (f"select={IN}&select={OUT}&near={IN}", ".scope-bar", ["Make a composite …"]),
             (f"select={CONFIG}", ".configuration .buttons", ["Copy …"]),
             (f"select={MANAGER}", ".inspector .danger", ["Loaded modules …", "Stop", "k"]),
-            ("kind=composite", ".tree .more[open]", ["Start a manager …", "Files …", "Export …"]),
+            ("kind=composite", ".tree .more[open]", ["Start a manager …", "Export …"]),
             ("select=w", ".inspector .fields", []),
         ):
             page.evaluate(f"location.hash = '#{view}'")

@@ -26,7 +26,7 @@ export function TopBar({ system, view, history, settings, onMove }: Props) {
         <h1><img src="/icon.svg" alt="" width="20" height="20" />rtkit <span>{system.host}</span></h1>
         <Counts counts={countsIn(system.components.values())} />
         {system.isReadOnly && <span className="badge" title={texts.link.readOnlyHint}>{texts.link.readOnly}</span>}
-        <button type="button" className="search" aria-label={texts.bar.search} onClick={() => open({ kind: 'palette' })}><Icon name="search" /><span>{texts.bar.search}</span><kbd>Ctrl K</kbd></button>
+        <button type="button" className="search" onClick={() => open({ kind: 'palette' })}><Icon name="search" /><span>{texts.bar.search}</span><kbd aria-hidden="true">Ctrl K</kbd></button>
         <select aria-label={texts.bar.theme} title={texts.bar.theme} value={settings.theme} onChange={(event) => settings.setTheme(event.target.value as Theme)}>
           {(['auto', 'light', 'dark'] as const).map((theme) => <option key={theme} value={theme}>{texts.bar.themes[theme]}</option>)}
         </select>

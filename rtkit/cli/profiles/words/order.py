@@ -15,10 +15,13 @@ from rtkit.errors import UsageProblem
     is_local=True,
     examples=(
         ("rtprofile order robot.xml activation", "Show the order."),
-        ("rtprofile order robot.xml activation Sensor0 Motor0:wait=500", "Motor0 500 ms later."),
         (
-            "rtprofile order robot.xml activation Sensor0 Motor0:after=Sensor0,timeout=1000",
-            "Motor0 once Sensor0 is active, within 1 s.",
+            "rtprofile order robot.xml activation Sensor0 Control0:wait=500",
+            "Half a second later.",
+        ),
+        (
+            "rtprofile order robot.xml activation Sensor0 Control0:after=Sensor0,timeout=1000",
+            "Control0 once Sensor0 is active, within 1 s.",
         ),
     ),
 )
