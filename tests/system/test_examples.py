@@ -238,7 +238,7 @@ ENDLESS = {
     "rttop",
     "rttop -s CPU% /localhost/manager.mgr",
     *(line for line, _ in examples()["rtserve"]),
-    *(line for line, _ in examples()["rtweb"]),
+    *(line for line, _ in examples()["rtweb"] if "--cert" not in line),
     "rtvlog /localhost/Robot0.rtc",
     "rtvlog -l warn /",
     "rtvlog -f stdout /localhost/manager.mgr/drives.mgr",
@@ -257,6 +257,8 @@ STATUS = {
     "rtplan --detailed-exitcode robot.xml": (0, 2),
     "rtdoctor --strict --json": (0, 1),
     "rtstate robot.xml": (0, 1),
+    # Address and keys are those of another machine.
+    "rtweb --bind 10.0.0.7 --cert robot.crt --key robot.key": (1,),
     "rtstate --unfollow Robot": (0, 1),  # the interruption may come before it is followed
 }
 """Examples that may end otherwise: what they look at is this machine, or was changed before."""
