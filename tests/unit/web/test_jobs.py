@@ -52,6 +52,8 @@ def test_a_job_that_is_stopped_ends_as_by_ctrl_c(monkeypatch: pytest.MonkeyPatch
 
     async def body(jobs: Jobs) -> None:
         job = await jobs.start("wait", "Wait", ("wait",))
+        while not job.count:  # an interpreter that has not begun ends otherwise
+            await asyncio.sleep(0)
         jobs.stop(job.id)
         assert (await jobs.ended(job.id)).status == -2
         jobs.stop(job.id)
