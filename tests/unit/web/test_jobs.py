@@ -47,8 +47,8 @@ def test_a_job_that_fails_tells_why() -> None:
 
 
 def test_a_job_that_is_stopped_ends_as_by_ctrl_c(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rtkit.web.jobs.running._MAIN", "print('{}', flush=True); input()")
-    monkeypatch.setattr("rtkit.web.jobs.running.DEVNULL", asyncio.subprocess.PIPE)
+    waiting = "import threading; print('{}', flush=True); threading.Event().wait()"
+    monkeypatch.setattr("rtkit.web.jobs.running._MAIN", waiting)
 
     async def body(jobs: Jobs) -> None:
         job = await jobs.start("wait", "Wait", ("wait",))
