@@ -8,12 +8,8 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 import signal
-import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -23,6 +19,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 
 import browser  # noqa: E402 (found by the line above)
+from web_pictures import served, shell  # noqa: E402 (beside this file)
 
 OUT = ROOT / "docs" / "web" / "walk.webp"
 SYSTEM = "sensor-controller-motor.xml"
@@ -41,12 +38,6 @@ _CAPTION = """(text => {
         maxWidth: '90%', pointerEvents: 'none'});
 })"""
 """Shows a caption above the page; the place of the text is filled in."""
-
-
-def shell(line: str) -> str:
-    """Run a command line and return what it wrote."""
-    done = subprocess.run(shlex.split(line), stdout=subprocess.PIPE, text=True, check=True)
-    return done.stdout
 
 
 class Walk:
@@ -227,19 +218,6 @@ def play(walk: Walk, home: str) -> None:
     walk.page.look(is_dark=True)
     walk.go("#view=diagram", there(node(SENSOR)))
     walk.take("Light and dark, English and Japanese, by mouse or by keys alone", is_dark=True)
-
-
-@contextmanager
-def served(folder: str) -> Iterator[str]:
-    """Serve the page and yield its address."""
-    line = ["rtweb", "--no-browser", "--root", folder]
-    with subprocess.Popen(line, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        try:
-            yield process.stdout.readline().strip()
-        finally:
-            process.send_signal(signal.SIGINT)
-            process.wait()
 
 
 def main() -> None:
