@@ -22,6 +22,7 @@ GROUPS = (
     "commands",
     "launch",
     "many",
+    "scale",
     "slaves",
     "managers",
     "hosts",

@@ -104,9 +104,11 @@ Measure = Callable[[], float]
 Lines = Iterator[Row | Missing]
 
 
-def pairs_of(one: Measure, other: Measure, rounds: int = ROUNDS) -> list[tuple[float, float]]:
+def pairs_of(
+    one: Measure, other: Measure, rounds: int = ROUNDS, warm_up: int = WARM_UP
+) -> list[tuple[float, float]]:
     """Let two measurements take turns, after a warm-up."""
-    for _ in range(WARM_UP):
+    for _ in range(warm_up):
         one()
         other()
     return [(one(), other()) for _ in range(rounds)]
@@ -121,9 +123,11 @@ def medians(pairs: Sequence[tuple[float, float]]) -> tuple[float, float, float]:
     )
 
 
-def paired(one: Measure, other: Measure, rounds: int = ROUNDS) -> tuple[float, float, float]:
+def paired(
+    one: Measure, other: Measure, rounds: int = ROUNDS, *, warm_up: int = WARM_UP
+) -> tuple[float, float, float]:
     """Let two measurements take turns; return the medians of each and of their ratios."""
-    return medians(pairs_of(one, other, rounds))
+    return medians(pairs_of(one, other, rounds, warm_up))
 
 
 def timed(work: Callable[[], object]) -> float:

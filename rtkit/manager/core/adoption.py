@@ -17,7 +17,7 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed
 from rtkit.fast_dataclass import replace
-from rtkit.manager.core.desired import Asked, desired_by, note, requests_from
+from rtkit.manager.core.desired_changes import Asked, desired_by, note, requests_from
 from rtkit.manager.core.effects import Procedure, Send, Sleep
 from rtkit.manager.core.halves import NOT_MET
 from rtkit.manager.core.limiting import note_limits

@@ -16,6 +16,7 @@ from rtkit.errors import Malformed
 from rtkit.fast_dataclass import fields, is_record
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.desired import DesiredState
+from rtkit.manager.core.indexed_table import IndexedTable
 from rtkit.manager.core.state import ManagerState, NameReservation, Opening, Process
 from rtkit.settings.properties import Settings
 
@@ -67,6 +68,8 @@ def copied(value: Any) -> Any:
     kind = type(value)
     if kind is dict:
         return {key: copied(item) for key, item in value.items()}
+    if kind is IndexedTable:
+        return value.like({key: copied(item) for key, item in value.items()})
     if kind is list or kind is set or kind is deque:
         return kind(map(copied, value))
     if kind in _CHANGEABLE:

@@ -9,17 +9,15 @@ to be fulfilled.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
-from rtkit.deployment import actions as act
-from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import ComponentFacts, Followed, RestartStatus
 from rtkit.deployment.supervision import Ledger
-from rtkit.errors import Malformed
 from rtkit.fast_dataclass import Record, field, replace
 from rtkit.manager.core.events import Row
-from rtkit.rtc.enums import LifeCycleState, Transition
+from rtkit.manager.core.indexed_table import IndexedTable
+from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.far_ends import host_of, peer_of
 from rtkit.rtc.profiles import ConnectorProfile
 from rtkit.rtc.serde import decode, encode
@@ -136,6 +134,14 @@ _KINDS: Mapping[str, _Kind] = {
 }
 
 
+def _driven(component: DesiredComponent) -> Iterator[str]:
+    return (each for driven in component.attached.values() for each in driven)
+
+
+def _ends(connector: ConnectorProfile) -> Iterator[str]:
+    return (end.instance for end in connector.ports)
+
+
 class DesiredState:
     """All desired rows, in their order of arrival, and which of them are not stored yet.
 
@@ -159,8 +165,8 @@ class DesiredState:
     """
 
     def __init__(self) -> None:
-        self.components: dict[str, DesiredComponent] = {}
-        self.wires: dict[str, ConnectorProfile] = {}
+        self.components: IndexedTable[str, DesiredComponent] = IndexedTable(_driven, {})
+        self.wires: IndexedTable[str, ConnectorProfile] = IndexedTable(_ends, {})
         self.modules: dict[str, str] = {}
         self.settings: dict[str, str] = {}
         self.begun: dict[str, str] = {}
@@ -179,12 +185,13 @@ class DesiredState:
         self.gone: dict[str, tuple[str, str, str]] = {}
         self.fences: dict[str, tuple[str, str, str]] = {}
         self._changed: dict[tuple[str, str], None] = {}
+        self._urgent: dict[tuple[str, str], None] = {}
         self._stored: set[tuple[str, str]] = set()
 
     @property
     def has_changed(self) -> bool:
         """Return whether there is something to store."""
-        return bool(self._changed)
+        return bool(self._changed or self._urgent)
 
     def is_stored(self, kind: str, name: str) -> bool:
         """Return whether there is a row of that name on the disk, perhaps with another value."""
@@ -193,16 +200,17 @@ class DesiredState:
     @property
     def is_urgent(self) -> bool:
         """Return whether something is to be stored that cannot wait until nothing is under way."""
-        return any(kind in _URGENT for kind, _ in self._changed)
+        return bool(self._urgent)
 
     def changes(self, *, is_urgent: bool = False) -> tuple[Row, ...]:
         """Return the rows that have changed, or of them the urgent ones.
 
         They are taken for kept from now on.
         """
-        changed = {key: None for key in self._changed if key[0] in _URGENT or not is_urgent}
-        for key in changed:
-            del self._changed[key]
+        changed = {**({} if is_urgent else self._changed), **self._urgent}
+        self._urgent.clear()
+        if not is_urgent:
+            self._changed.clear()
         for kind, table in (("boot", self.boot), ("life", self.life)):
             if table and not self.is_stored(kind, "id"):
                 changed[kind, "id"] = None
@@ -215,11 +223,16 @@ class DesiredState:
 
     def not_kept(self, rows: Iterable[Row]) -> None:
         """Have rows kept with the next ones, since it failed this time."""
-        self._changed = {**{(kind, name): None for kind, name, _ in rows}, **self._changed}
+        later, self._changed = self._changed, {}
+        for kind, name, _ in rows:
+            self._note_change(kind, name)
+        self._changed.update(later)
 
     def keep_all(self) -> None:
         """Have all rows kept again, since nothing is on the disk any more."""
-        self._changed.update({(kind, name): None for kind in _KINDS for name in self._table(kind)})
+        for kind in _KINDS:
+            for name in self._table(kind):
+                self._note_change(kind, name)
 
     def read(self, rows: Iterable[Row]) -> list[str]:
         """Take in what was stored; return what cannot be read, one line each."""
@@ -242,7 +255,7 @@ class DesiredState:
         before = self.boot.get("id", boot)
         self.boot["id"] = boot
         if before != boot:
-            self._changed["boot", "id"] = None
+            self._note_change("boot", "id")
         return before == boot
 
     def name_store(self, life: str) -> None:
@@ -314,7 +327,7 @@ class DesiredState:
         table = self._table(kind)
         if table.get(name) != value:
             table[name] = value
-            self._changed[kind, name] = None
+            self._note_change(kind, name)
             if kind == "wire":
                 self._note_far(self.wires[name])
 
@@ -322,9 +335,12 @@ class DesiredState:
         """Remove a row."""
         dropped = self._table(kind).pop(name, None)
         if dropped is not None:
-            self._changed[kind, name] = None
+            self._note_change(kind, name)
             if kind == "wire":
                 self._cut_far(dropped)
+
+    def _note_change(self, kind: str, name: str) -> None:
+        (self._urgent if kind in _URGENT else self._changed)[kind, name] = None
 
     # components
 
@@ -350,15 +366,12 @@ class DesiredState:
         self.drop("component", instance)
         self.drop("zombie", instance)
         self.drop("watched", instance)
-        for connector_id, connector in list(self.wires.items()):
-            if any(end.instance == instance for end in connector.ports):
-                self.drop("wire", connector_id)
-        # Few drive others: looking into each would make many components cost their square.
-        drivers = [(owner, item) for owner, item in self.components.items() if item.attached]
-        for owner, item in drivers:
-            if any(instance in driven for driven in item.attached.values()):
-                left = {c: tuple(p for p in ps if p != instance) for c, ps in item.attached.items()}
-                self.change(owner, attached=left)
+        for connector_id in list(self.wires.keys_with(instance)):
+            self.drop("wire", connector_id)
+        for owner in list(self.components.keys_with(instance)):
+            attached = self.components[owner].attached
+            left = {c: tuple(p for p in ps if p != instance) for c, ps in attached.items()}
+            self.change(owner, attached=left)
 
     def lost(self, facts: ComponentFacts) -> None:
         """Note that a component has died, and that its user is to see it."""
@@ -385,116 +398,3 @@ def module_row(path: str, init: str) -> str:
 def module_path(row: str, init: str) -> str:
     """Return the path in such a name."""
     return row.removesuffix(f":{init}") if init else row
-
-
-# changes that follow from actions, done here or told by a process (decision 41)
-
-
-def note(kept: DesiredState, action: Action) -> None:
-    """Record an action that was done, but for those on whole components, which say more."""
-    match action:
-        case act.Load(path, init):
-            kept.put("module", module_row(path, init), init)
-        case act.Connect(connector):
-            whole = replace(connector, trouble="") if connector.trouble else connector
-            kept.put("wire", connector.connector_id, whole)
-        case act.ActivateSet(instance, set_id):
-            kept.change(instance, active_set=set_id)
-        case act.SetStructure(instance, states):
-            kept.change(instance, states=states)
-        case act.SetEventProfiles(instance, events):
-            kept.change(instance, events=events)
-        case act.Attach(owner) | act.Detach(owner):
-            _attach(kept, kept.components.get(owner, _NONE), action)
-        case act.RemoveSet(instance, set_id):
-            sets = kept.components.get(instance, _NONE).sets
-            kept.change(instance, sets={k: v for k, v in sets.items() if k != set_id})
-        case act.SetParameters(instance) | act.ChangeState(instance) | act.SetRate(instance):
-            _set(kept, kept.components.get(instance, _NONE), action)
-
-
-_NONE = DesiredComponent("")
-
-
-def _set(
-    kept: DesiredState,
-    entry: DesiredComponent,
-    action: act.SetParameters | act.ChangeState | act.SetRate,
-) -> None:
-    match action:
-        case act.SetParameters(instance, set_id, values):
-            changed = {**entry.sets.get(set_id, {}), **values}
-            kept.change(instance, sets={**entry.sets, set_id: changed})
-        case act.SetRate(instance, context, rate):
-            kept.change(instance, rates={**entry.rates, context: rate})
-        case act.ChangeState(instance, context, Transition.ACTIVATE):
-            kept.change(instance, active=tuple(dict.fromkeys((*entry.active, context))))
-        case act.ChangeState(instance, context):
-            kept.change(instance, active=tuple(each for each in entry.active if each != context))
-
-
-def _attach(kept: DesiredState, entry: DesiredComponent, action: act.Attach | act.Detach) -> None:
-    driven = dict.fromkeys(entry.attached.get(action.context, ()))
-    if isinstance(action, act.Attach):
-        driven[action.participant] = None
-    else:
-        driven.pop(action.participant, None)
-    kept.change(action.owner, attached={**entry.attached, action.context: tuple(driven)})
-
-
-# what users asked of components since their creation, as their process reports it
-
-Asked = Mapping[str, tuple[Action, ...]]
-"""Actions by component."""
-
-OPERATIONS: Mapping[type[Action], str] = {
-    act.SetParameters: "set",
-    act.RemoveSet: "remove_set",
-    act.ActivateSet: "activate_set",
-    act.ChangeState: "change_state",
-    act.SetRate: "set_rate",
-    act.Tick: "tick",
-    act.SetStructure: "set_structure",
-    act.SetEventProfiles: "set_events",
-    act.Attach: "attach",
-    act.Detach: "detach",
-}
-"""By which operation of a container an action is done."""
-_ACTIONS: Mapping[object, type[Action]] = {op: kind for kind, op in OPERATIONS.items()}
-
-
-def requests_from(reported: object) -> Asked:
-    """Return the actions that a process reports; none where it reports nothing.
-
-    Raises:
-        Malformed: They cannot be read.
-    """
-    if reported is None:
-        return {}
-    if not isinstance(reported, Mapping):
-        raise Malformed("what was asked of components is no table")
-    return {str(instance): _actions(str(instance), each) for instance, each in reported.items()}
-
-
-def _actions(instance: str, reported: object) -> tuple[Action, ...]:
-    if not isinstance(reported, list):
-        raise Malformed(f"what was asked of {instance} is no list")
-    return tuple(_action(instance, message) for message in reported)
-
-
-def _action(instance: str, message: object) -> Action:
-    if not isinstance(message, Mapping) or message.get("op") not in _ACTIONS:
-        raise Malformed(f"unknown request of {instance}")
-    cls = _ACTIONS[message["op"]]
-    whose = "owner" if issubclass(cls, (act.Attach, act.Detach)) else "instance"
-    rest = {name: value for name, value in message.items() if name != "op"}
-    return decode(cls, {**rest, whose: instance})
-
-
-def desired_by(instance: str, actions: Iterable[Action]) -> DesiredComponent:
-    """Return what these actions come to, of a component of which nothing else is known."""
-    kept = DesiredState()
-    kept.components[instance] = DesiredComponent("")
-    for action in actions:
-        note(kept, action)
-    return kept.components[instance]

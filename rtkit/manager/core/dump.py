@@ -26,6 +26,7 @@ from rtkit.fast_dataclass import MISSING, fields, is_record
 from rtkit.manager.core.desired import DesiredState
 from rtkit.manager.core.event_ring import Fault, Recording
 from rtkit.manager.core.events import Event
+from rtkit.manager.core.indexed_table import IndexedTable
 from rtkit.manager.core.secrets import HIDDEN, hidden_in, is_secret
 from rtkit.manager.core.state import ManagerState
 from rtkit.rtc.serde import hint_of, parse_table
@@ -236,11 +237,13 @@ def _made(name: object, content: Mapping[str, Any]) -> Any:
         made = cls()
         if vars(made).keys() != content.keys():
             raise Malformed(f"{name}: other attributes than here: {', '.join(content)}")
-        for key, item in content.items():
+        for key, plain in content.items():
+            item = _indexed(plain, getattr(made, key))
             if type(item) is not type(getattr(made, key)):
                 raise Malformed(f"{name}.{key}: not a {type(getattr(made, key)).__name__}")
             setattr(made, key, item)
         return made
+    content = {key: _indexed(item, _defaults(cls).get(key)) for key, item in content.items()}
     for key, item in content.items():
         if key not in _defaults(cls):
             raise Malformed(f"{name}: unknown field {key!r}")
@@ -250,6 +253,13 @@ def _made(name: object, content: Mapping[str, Any]) -> Any:
         return cls(**content)
     except TypeError as error:
         raise Malformed(f"{name}: {error}") from error
+
+
+def _indexed(item: Any, default: object) -> Any:
+    """Return a table as an indexed one where that is expected."""
+    if isinstance(default, IndexedTable) and type(item) is dict:
+        return default.like(item)
+    return item
 
 
 def _enum(text: str) -> Enum:

@@ -18,7 +18,7 @@ from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.manager.core.deletion import delete, end_slave, end_slaves, grace_s, retire
-from rtkit.manager.core.desired import OPERATIONS, note
+from rtkit.manager.core.desired_changes import OPERATIONS, note
 from rtkit.manager.core.effects import AcquireSlave, Call, Effect, Procedure, Send, Spawn
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.fences import check_home
@@ -162,11 +162,7 @@ def _enter(
 def _lacking(state: ManagerState, instance: str) -> str:
     """Report what depended on a component that has died, and is not restarted with a new one."""
     kept = state.kept
-    connectors = [
-        connector_id
-        for connector_id, connector in kept.wires.items()
-        if any(end.instance == instance for end in connector.ports)
-    ]
+    connectors = list(kept.wires.keys_with(instance))
     desired = kept.components.get(instance)
     lost = [f"connections {', '.join(connectors)}"] if connectors else []
     if desired is not None and (desired.sets or desired.active_set):

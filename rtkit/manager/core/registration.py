@@ -82,7 +82,7 @@ def check_free(state: ManagerState, names: Iterable[str], instance: str) -> None
         for above in _above(name):
             if state.name_owner(above):
                 raise Refused(f"name /{name} is below /{above}, which is no directory of names")
-        below = next((each for each in state.all_names() if each.startswith(f"{name}/")), "")
+        below = state.name_below(name)
         if below:
             raise Refused(f"name /{name} is a directory: it has /{below}")
 

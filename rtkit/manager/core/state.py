@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, RestartStatus, Snapshot
 from rtkit.deployment.limits import Capacity, SlaveLimits
@@ -10,6 +10,7 @@ from rtkit.errors import NotFound, RtkitError
 from rtkit.fast_dataclass import Record, dataclass, field, replace
 from rtkit.manager.core.desired import DesiredComponent, DesiredState, RestartRecord
 from rtkit.manager.core.events import OWN_PROCESS
+from rtkit.manager.core.indexed_table import IndexedTable
 from rtkit.rtc.far_ends import host_of, on_host, peer_of
 from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile, PortRef
@@ -131,6 +132,36 @@ class Expected(Record):
     until: float
 
 
+def _names_and_folders(names: Iterable[str]) -> Iterator[str]:
+    """Yield full names, and the directories in which they are, each with a slash at its end."""
+    for name in names:
+        yield name
+        end = name.find("/")
+        while end >= 0:
+            yield name[: end + 1]
+            end = name.find("/", end + 1)
+
+
+def _instances(connector: ConnectorProfile) -> Iterator[str]:
+    return (end.instance for end in connector.ports)
+
+
+def _components() -> IndexedTable[str, ComponentFacts]:
+    return IndexedTable(lambda facts: _names_and_folders(facts.names), {})
+
+
+def _containers() -> IndexedTable[str, int]:
+    return IndexedTable(lambda key: (key,), {})
+
+
+def _connectors() -> IndexedTable[str, ConnectorProfile]:
+    return IndexedTable(_instances, {})
+
+
+def _claims() -> IndexedTable[str, NameReservation]:
+    return IndexedTable(lambda claim: _names_and_folders(claim.names), {})
+
+
 @dataclass(slots=True)
 class ManagerState:
     """State of one manager; only its core changes it.
@@ -179,12 +210,12 @@ class ManagerState:
     pid: int
     version: str
     processes: dict[int, Process] = field(default_factory=dict)
-    components: dict[str, ComponentFacts] = field(default_factory=dict)
-    containers: dict[str, int] = field(default_factory=dict)
-    connectors: dict[str, ConnectorProfile] = field(default_factory=dict)
+    components: IndexedTable[str, ComponentFacts] = field(default_factory=_components)
+    containers: IndexedTable[str, int] = field(default_factory=_containers)
+    connectors: IndexedTable[str, ConnectorProfile] = field(default_factory=_connectors)
     modules: dict[str, ModuleProfile] = field(default_factory=dict)
     properties: dict[str, str] = field(default_factory=dict)
-    claims: dict[str, NameReservation] = field(default_factory=dict)
+    claims: IndexedTable[str, NameReservation] = field(default_factory=_claims)
     ending: set[str] = field(default_factory=set)
     openings: dict[str, Opening] = field(default_factory=dict)
     tried: dict[str, int] = field(default_factory=dict)
@@ -299,34 +330,32 @@ class ManagerState:
 
     def held_by(self, key: int) -> list[str]:
         """Return the instances in a process, in the order of their creation."""
-        return [instance for instance, container in self.containers.items() if container == key]
+        return list(self.containers.keys_with(key))
 
     def is_needed(self, key: int) -> bool:
         """Return whether a process holds a component, or one is being made in it."""
-        return key in self.containers.values() or any(c.key == key for c in self.claims.values())
+        is_held = bool(self.containers.keys_with(key))
+        return is_held or any(claim.key == key for claim in self.claims.values())
 
     def connectors_of(self, instance: str) -> list[ConnectorProfile]:
         """Return the connectors that have an end at a component."""
-        return [
-            connector for connector in self.connectors.values() if _has_end(connector, instance)
-        ]
+        return [self.connectors[each] for each in self.connectors.keys_with(instance)]
 
     def name_owner(self, name: str) -> str:
         """Return who is, or is to be, registered under a full name; empty for nobody."""
-        for instance, facts in self.components.items():
-            if name in facts.names:
-                return instance
+        for instance in self.components.keys_with(name):
+            return instance
         if name in self.names:
             return f"manager {self.name}"
-        return next((i for i, claim in self.claims.items() if name in claim.names), "")
+        return next(iter(self.claims.keys_with(name)), "")
 
-    def all_names(self) -> Iterator[str]:
-        """Yield every full name that somebody is, or is to be, registered under."""
-        yield from self.names
-        for facts in self.components.values():
-            yield from facts.names
-        for claim in self.claims.values():
-            yield from claim.names
+    def name_below(self, name: str) -> str:
+        """Return a full name in a directory, taken or reserved; empty when there is none."""
+        folder = f"{name}/"
+        named = [self.components[each].names for each in self.components.keys_with(folder)]
+        named += [self.claims[each].names for each in self.claims.keys_with(folder)]
+        names = (each for names in (self.names, *named) for each in names)
+        return next((each for each in names if each.startswith(folder)), "")
 
     def forget(self, instance: str) -> None:
         """Drop a component with its connectors; a lost process goes with its last one."""
@@ -341,7 +370,7 @@ class ManagerState:
         for connector in self.connectors_of(instance):
             self.cut(connector.connector_id)
         for opening in self.openings.values():
-            opening.is_broken |= _has_end(opening.wire, instance)
+            opening.is_broken |= instance in _instances(opening.wire)
 
     def drop_loose(self, key: int) -> None:
         """Drop the connector ends of a found slave whose other ends are not known."""
@@ -384,10 +413,6 @@ class ManagerState:
             properties=dict(self.properties),
             names=self.names,
         )
-
-
-def _has_end(connector: ConnectorProfile, instance: str) -> bool:
-    return any(end.instance == instance for end in connector.ports)
 
 
 def no_component(state: ManagerState, instance: str) -> NotFound:

@@ -19,7 +19,7 @@ from rtkit.deployment.supervision import WINDOW_S, RestartPolicy, RestartRule, a
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.manager.core.deletion import FORCE_S, HANGING_S, end_slaves, remedy
-from rtkit.manager.core.desired import note
+from rtkit.manager.core.desired_changes import note
 from rtkit.manager.core.effects import Call, Procedure, ReadClock, Sleep
 from rtkit.manager.core.effects import Effect as Yielded
 from rtkit.manager.core.policies import policy_of

@@ -9,7 +9,8 @@ import pytest
 from rtkit.container.user_requests import UserRequests
 from rtkit.deployment import actions as act
 from rtkit.errors import Malformed
-from rtkit.manager.core.desired import DesiredComponent, desired_by, requests_from
+from rtkit.manager.core.desired import DesiredComponent
+from rtkit.manager.core.desired_changes import desired_by, requests_from
 
 
 def asked(*messages: dict[str, Any]) -> UserRequests:

@@ -8,7 +8,8 @@ from fake_shell import wire
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.manager.core.desired import DesiredState, note
+from rtkit.manager.core.desired import DesiredState
+from rtkit.manager.core.desired_changes import note
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
