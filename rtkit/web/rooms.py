@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from starlette.routing import Route
 
 from rtkit.web import files
+from rtkit.web.audit import room as audit
 from rtkit.web.builder import room as builder
 from rtkit.web.documents import room as documents
 from rtkit.web.flow import logs, past, ports, values
@@ -22,6 +23,7 @@ ROOMS: Sequence[Callable[[WebSite], list[Route]]] = (
     live.routes,
     files.routes,
     jobs.routes,
+    audit.routes,
     values.routes,
     ports.routes,
     builder.routes,

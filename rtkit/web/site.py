@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from rtkit.api.live_records import Record, SystemRecords, change_between
 from rtkit.link.places import host_name
 from rtkit.version import __version__
+from rtkit.web.audit.audit_log import AuditLog
 from rtkit.web.feed import FeedUpdate
 from rtkit.web.flow.kept_changes import KeptChanges
 from rtkit.web.jobs.jobs import Jobs
@@ -35,6 +36,7 @@ class WebSite:
         host: The name of this host.
         pages: Those that are open.
         jobs: Commands that go on for some time.
+        audit: What pages and scripts have changed.
         update: What the feed has told last.
         revision: Grows with each change.
         events: The last ones, with their times.
@@ -42,18 +44,26 @@ class WebSite:
         past: The changes that have led here.
     """
 
-    def __init__(self, session: Session, folders: Sequence[str], *, is_read_only: bool) -> None:
-        """Know nothing yet."""
+    def __init__(
+        self,
+        session: Session,
+        folders: Sequence[str],
+        log: Callable[[str], object],
+        *,
+        is_read_only: bool,
+    ) -> None:
+        """Know nothing yet; each change is a line that `log` is called with."""
         self.session = session
         self.folders = folders
         self.is_read_only = is_read_only
         self.host = host_name()
         self.pages = Pages(MOST_PAGES)
         self.jobs = Jobs(self.pages)
+        self.audit = AuditLog(self.pages, log)
         self.update = FeedUpdate(SystemRecords.nothing(), (), (), None)
         self.revision = 0
         self.events: deque[Record] = deque(maxlen=_KEPT_EVENTS)
-        self.closers: list[Callable[[], Awaitable[object]]] = [self.jobs.close]
+        self.closers: list[Callable[[], Awaitable[object]]] = [self.jobs.close, self.audit.close]
         self.past = KeptChanges()
         self._is_begun = False
 

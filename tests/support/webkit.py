@@ -23,11 +23,16 @@ class Answer(NamedTuple):
 
 
 class WebClient:
-    """A client of one server; `token` is what its address had."""
+    """A client of one server; `token` is what its address had.
+
+    Attributes:
+        log: What the server has written to stderr, once it has ended.
+    """
 
     def __init__(self, port: int, token: str) -> None:
         self.port = port
         self.token = token
+        self.log = ""
 
     def ask(
         self, method: str, path: str, body: object = None, headers: Mapping[str, str] | None = None
@@ -117,8 +122,11 @@ def served(shell: Shell, options: str = "") -> Iterator[WebClient]:
     assert process.stdout is not None
     address = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/#token=(\S+)\n", process.stdout.readline())
     assert address is not None
+    client = WebClient(int(address[1]), address[2])
     try:
-        yield WebClient(int(address[1]), address[2])
+        yield client
     finally:
         process.send_signal(2)
-        assert shell.end_of(process).status in (0, 130, -2)
+        ended = shell.end_of(process)
+        client.log = ended.err
+        assert ended.status in (0, 130, -2)

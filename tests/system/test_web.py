@@ -95,6 +95,8 @@ def test_each_action_does_what_its_line_says_and_is_taken_back(pair: Shell) -> N
         refused = client.ask("POST", "/api/do", {"actions": changed["undo"]})
         assert (refused.status, refused.body["error"]["kind"]) == (409, "refused")
         assert "it is '9', not '7'" in refused.body["error"]["text"]
+        *_, last = client.ask("GET", "/api/changes").body["changes"]
+        assert last["old"].startswith("int_param0=0, ")
 
         made = client.do(
             {"do": "create", "manager": "/localhost/manager.mgr", "create": "ConsoleIn"}
@@ -103,6 +105,8 @@ def test_each_action_does_what_its_line_says_and_is_taken_back(pair: Shell) -> N
         stream.until(lambda s: "/localhost/ConsoleIn0.rtc" in s.components)
         client.do({"do": "delete", "component": "/localhost/ConsoleIn0.rtc"})
         stream.until(lambda s: "/localhost/ConsoleIn0.rtc" not in s.components)
+    line = "script at 127.0.0.1: Set int_param0=7, str_param1=-a b'\"$x in the set default of "
+    assert f"{line}/localhost/C0.rtc from int_param0=0, str_param1=" in client.log
 
 
 def test_a_failure_ends_what_follows_and_names_the_thing(pair: Shell) -> None:

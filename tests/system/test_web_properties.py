@@ -160,6 +160,43 @@ def test_a_slider_drives_a_robot_and_the_map_follows_and_the_page_is_stored(home
     assert home.get("robots/r1.location") != before
 
 
+def test_a_moved_slider_is_undone_in_one_step_unless_somebody_else_has_set_it(home: Site) -> None:
+    page, shell = home.page, home.shell
+    shell.ok("rtset lab.level 4")
+    home.go("lab")
+    field = widget("lab.level", "input")
+    page.wait_for(field + "?.value === '4'")
+    events = "['input', 'change'].forEach((kind) => field.dispatchEvent(new Event(kind)))"
+    moves = f"for (const value of [5, 6, 7]) {{ field.value = value; {events}; }}"
+    page.evaluate(f"(() => {{ const field = {field}; field.focus(); {moves} }})()")
+    page.wait_for(widget("lab.level", "output") + ".textContent === '7'")
+    page.wait_for(
+        "document.querySelector('.last-command code').textContent === 'rtset lab.level 7'"
+    )
+    page.key("z", is_control=True)
+    page.wait_for(widget("lab.level", "output") + ".textContent === '4'")
+    page.wait_for("document.querySelector('.toast')?.textContent.includes('Undo: Set lab.level')")
+    page.key("z", is_control=True, is_shift=True)
+    page.wait_for(widget("lab.level", "output") + ".textContent === '7'")
+    shell.ok("rtset lab.level 1")
+    page.wait_for(widget("lab.level", "output") + ".textContent === '1'")
+    page.key("z", is_control=True)
+    page.wait_for(
+        "document.querySelector('.toast-error')?.textContent"
+        ".includes('lab.level has been changed since: it is 1.0, not 7')"
+    )
+    assert home.get("lab.level") == "1.0"
+    page.press("Jobs")
+    rows = "[...document.querySelectorAll('.changes tbody tr')].map((row) => row.innerText)"
+    page.wait_for(f"{rows}.length >= 3")
+    page.wait_for(f"{rows}.some((row) => row.includes('Set lab.level') && row.includes('4'))")
+    moved = next(
+        each for each in home.web.ask("GET", "/api/changes").body["changes"] if each["count"] > 1
+    )
+    assert (moved["text"], moved["old"], moved["new"]) == ("Set lab.level", "4.0", "7.0")
+    shell.ok("rtset lab.level 4")
+
+
 def test_a_page_is_put_together_saved_and_loaded(home: Site) -> None:
     page = home.page
     home.go("lab.level")
@@ -219,6 +256,7 @@ def test_a_point_and_a_region_on_the_map_lead_the_robot(home: Site) -> None:
     line = "document.querySelector('.last-command code').textContent"
     page.wait_for(f"{line}.startsWith('rtset robots/r2.behaviors.moveto')")
     page.wait_for("document.querySelector('rt-map .goal') !== null")
+    page.wait_for("document.querySelector('.last-command .note')?.textContent.includes('undone')")
     page.press("Region")
     left, top, width, height = page.place("rt-map svg")
     for x, y in ((0.6, 0.4), (0.7, 0.4), (0.7, 0.6)):

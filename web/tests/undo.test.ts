@@ -22,6 +22,12 @@ describe('undo and redo', () => {
     expect(moved(both, 'undo', null)).toEqual({ undo: [entry('a')], redo: [] });
   });
 
+  it('takes a value that is moved back in one step, whatever else is done meanwhile', () => {
+    const move = (to: string): Entry => ({ label: 'Set a', change: 7, actions: [{ do: 'set', target: 'a', value: '0', expect: to }] });
+    const history = [move('1'), entry('b'), move('2')].reduce(recorded, EMPTY_HISTORY);
+    expect(history.undo).toEqual([move('2'), entry('b')]);
+  });
+
   it('forgets what could be redone when something new is done', () => {
     const undone = moved(both, 'undo', entry('b'));
     expect(recorded(undone, entry('c'))).toEqual({ undo: [entry('a'), entry('c')], redo: [] });

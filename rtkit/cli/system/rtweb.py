@@ -52,7 +52,8 @@ def main(
 
     The page shows what lives in all managers of this host and of linked hosts, as it changes, and
     connects, configures, activates, creates and ends components. Each action is a command line,
-    which the page shows; what has an inverse can be undone.
+    which the page shows; what has an inverse can be undone. Each change is a line on stderr, too:
+    when, by which page, what, the old value and the new one.
 
     In folders that are granted with --root it saves the system, as rtcryo does, and compares it
     with profiles, as rtcheck does. Links in them are not followed.
@@ -80,7 +81,7 @@ def main(
     app.needs_reader = False  # a script may read the address, and let the page be served on
     reach = reach_of(address or HERE, port or 0, cert, key, is_insecure=is_insecure)
     token = secrets.token_urlsafe(16)
-    site = WebSite(app, folders, is_read_only=is_read_only)
+    site = WebSite(app, folders, app.fail, is_read_only=is_read_only)
     guard = WebGuard(token, reach.names, reach.scheme, reach.is_public)
     if reach.is_public and reach.tls is None:
         app.fail(f"warning: {reach.site} is not encrypted: who listens in can take the page over")

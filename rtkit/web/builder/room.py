@@ -27,6 +27,7 @@ from rtkit.profile.read import read_bytes
 from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile.write import write_profile
 from rtkit.profile_tools.new_component import ComponentHeading, new_component
+from rtkit.web.audit.audit_log import Author
 from rtkit.web.builder.component_form import ERROR, WARNING, FieldFinding, Form, form_of, read_form
 from rtkit.web.builder.form_checks import check_form
 from rtkit.web.folders import granted, granted_folder, profiles_in
@@ -127,7 +128,9 @@ class _BuildingRoom:
         is_done = outcome.status == 0
         error = "" if is_done else outcome.error or "it failed"
         step = CommandStep(text, line)
-        return JSONResponse(shown(step, is_done=is_done, error=error) | {"output": outcome.out})
+        record = shown(step, is_done=is_done, error=error)
+        self._site.audit.add_step(Author(request), step, record)
+        return JSONResponse(record | {"output": outcome.out})
 
     async def export(self, request: Request) -> Response:
         body = await body_of(request)

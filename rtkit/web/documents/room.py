@@ -13,6 +13,7 @@ from starlette.routing import Route
 from rtkit.api.live_records import Record
 from rtkit.errors import LimitReached, Malformed, NotFound
 from rtkit.profile_tools.new_system import new_system
+from rtkit.web.audit.audit_log import Author
 from rtkit.web.documents.component_types import TypeStock
 from rtkit.web.documents.document import Document, opened
 from rtkit.web.documents.document_edits import edited
@@ -136,6 +137,7 @@ class _DocumentRoom:
                 raise Malformed(f"{file} is open as another document: close that first")
             before, is_replaced = document.revision, body.get("replace") is True
             await asyncio.to_thread(document.save, file, is_replaced=is_replaced)
+            self._site.audit.add(Author(request), f"Save {file}")
             self._notify(document, before)
             return await _answer(document, body)
 

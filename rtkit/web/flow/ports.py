@@ -26,6 +26,7 @@ from rtkit.probe.known_types import data_type, definitions
 from rtkit.probe.templates import Template
 from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.enums import PortType
+from rtkit.web.audit.audit_log import Author
 from rtkit.web.folders import granted
 from rtkit.web.replies import body_of
 from rtkit.web.site import WebSite
@@ -72,6 +73,7 @@ def routes(site: WebSite) -> list[Route]:
             raise Refused(f"{path} is there already")
         text = f"Record {', '.join(ports)} in {path}"
         job = await site.jobs.start(RECORD, text, ("rtlog", f"--filename={path}", "--", *ports))
+        site.audit.add(Author(request), f"Begin: {job.text}", job.typed)
         return JSONResponse(job.record())
 
     return [

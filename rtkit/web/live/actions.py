@@ -26,12 +26,19 @@ from rtkit.web.live.steps import (
 )
 from rtkit.web.machines import machine_steps
 from rtkit.web.plans.ordering import ordered
+from rtkit.web.properties.property_steps import ValueOf, set_value
 
 
 def steps_of(
-    actions: object, records: SystemRecords, folders: Sequence[str] = ()
+    actions: object, records: SystemRecords, folders: Sequence[str], value_of: ValueOf
 ) -> list[CommandStep]:
-    """Return the steps that actions stand for, in order; files are in the folders granted.
+    """Return the steps that actions stand for, in order; it blocks while values are asked for.
+
+    Args:
+        actions: What a page asks for.
+        records: What lives.
+        folders: Those that are granted; files are in them.
+        value_of: Asks for the value of a property.
 
     Raises:
         Malformed: They are no actions; names what is wrong.
@@ -42,19 +49,23 @@ def steps_of(
         raise Malformed("actions: a list with one action or more is wanted")
     steps = []
     for each in actions:
-        steps.append(_step(each, records, folders))
+        steps.append(_step(each, records, folders, value_of))
         records = configuration_steps.with_sets(each, records)
     return steps
 
 
-def _step(action: object, records: SystemRecords, folders: Sequence[str]) -> CommandStep:
+def _step(
+    action: object, records: SystemRecords, folders: Sequence[str], value_of: ValueOf
+) -> CommandStep:
     if not isinstance(action, dict):
         raise Malformed(f"an action is an object, not {action!r}")
     verb = text_in(action, "do")
+    if verb == _SET:
+        return set_value(action, value_of)
     if verb in _OF_FILES:
         return _OF_FILES[verb](action, folders)
     if verb not in _STEPS:
-        known = ", ".join((*_STEPS, *_OF_FILES))
+        known = ", ".join((*_STEPS, *_OF_FILES, _SET))
         raise Malformed(f"do: there is no action {verb!r}; there are {known}")
     return _STEPS[verb](action, records)
 
@@ -128,6 +139,7 @@ def _saved(action: Action, folders: Sequence[str]) -> CommandStep:
     return CommandStep(f"Save the system as {file}", line, None, "the file is written")
 
 
+_SET = "set"
 _OF_FILES: Mapping[str, Callable[[Action, Sequence[str]], CommandStep]] = {
     "save": _saved,
     "order": ordered,

@@ -31,6 +31,8 @@ def configure(action: Action, records: SystemRecords) -> CommandStep:
         f"Set {listed} in the set {set_id} of {id}",
         ("rtconf", f"--set={set_id}", "--", id, "set", *pairs),
         (undo,),
+        old=", ".join(f"{name}={present[name]}" for name in values),
+        new=listed,
     )
 
 
@@ -40,7 +42,8 @@ def activate_set(action: Action, records: SystemRecords) -> CommandStep:
     id, set_id = component["id"], _set(action, component)
     undo = {"do": "activate_set", "component": id, "set": component["active_set"]}
     line = ("rtconf", f"--set={set_id}", "--", id, "act")
-    return CommandStep(f"Make {set_id} the active configuration set of {id}", line, (undo,))
+    text = f"Make {set_id} the active configuration set of {id}"
+    return CommandStep(text, line, (undo,), old=component["active_set"], new=set_id)
 
 
 def add_set(action: Action, records: SystemRecords) -> CommandStep:

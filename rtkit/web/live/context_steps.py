@@ -19,7 +19,8 @@ def rate(action: Action, records: SystemRecords) -> CommandStep:
     undo = {**action, "rate_hz": context["rate_hz"]}
     target = f"{component['id']}.contexts.{number}"
     line = ("rtset", f"{target}.rate", f"{hz:g}")
-    return CommandStep(f"Set the rate of {target} to {hz:g} Hz", line, (undo,))
+    text, old = f"Set the rate of {target} to {hz:g} Hz", f"{context['rate_hz']:g}"
+    return CommandStep(text, line, (undo,), old=old, new=f"{hz:g}")
 
 
 def attach(action: Action, records: SystemRecords) -> CommandStep:

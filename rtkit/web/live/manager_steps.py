@@ -128,8 +128,11 @@ def set_property(action: Action, records: SystemRecords) -> CommandStep:
     line = ("rtmgr", f"--setconfig={key}={value}", "--", manager)
     before = action.get("before")
     again = {"do": "set_property", "manager": manager, "key": key}
-    undo = ({**again, "value": before, "before": value},) if isinstance(before, str) else None
-    return CommandStep(f"Set {key} of {manager} to {value}", line, undo, "its value was not known")
+    old = before if isinstance(before, str) else None
+    undo = None if old is None else ({**again, "value": old, "before": value},)
+    why = "its value was not known"
+    text = f"Set {key} of {manager} to {value}"
+    return CommandStep(text, line, undo, why, old=old, new=value)
 
 
 def _manager(action: Action, records: SystemRecords) -> str:

@@ -9,10 +9,12 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 
+from rtkit.api.asked import Ask
 from rtkit.api.live_records import Record
 from rtkit.api.live_scene import drawing_of
 from rtkit.drawing.export import FORMS, exported
 from rtkit.errors import Malformed, NotFound
+from rtkit.web.audit.audit_log import Author
 from rtkit.web.jobs.running import carried_out, records_from, shown
 from rtkit.web.live.actions import steps_of
 from rtkit.web.live.arrange import arranged, part_of
@@ -21,6 +23,7 @@ from rtkit.web.live.steps import Action, CommandStep, list_in
 from rtkit.web.replies import body_of
 from rtkit.web.site import WebSite
 
+_BOUND_S = 2.0
 _TYPES = {"svg": "image/svg+xml"}
 
 
@@ -58,17 +61,22 @@ class _SystemRoom:
     async def do(self, request: Request) -> Response:
         body = await body_of(request)
         async with self._acting:  # what one action expects, another one may not change meanwhile
-            steps = steps_of(body.get("actions"), self._site.records, self._site.folders)
+            given = body.get("actions"), self._site.records, self._site.folders, self._value_of
+            steps = await asyncio.to_thread(steps_of, *given)
             if body.get("dry_run"):
                 return JSONResponse(_outcome([shown(each) for each in steps], steps))
             self._site.check_change()
             done: list[Record] = []
             for step in steps:
                 done.append(await carried_out(step))
+                self._site.audit.add_step(Author(request), step, done[-1])
                 if not done[-1]["ok"]:
                     break
         done += [shown(each) for each in steps[len(done) :]]
         return JSONResponse(_outcome(done, steps))
+
+    def _value_of(self, target: str) -> str | bytes:
+        return self._site.client.payload(Ask(target), _BOUND_S)
 
     async def connectable(self, request: Request) -> Response:
         port = request.query_params.get("port", "")

@@ -20,6 +20,9 @@ class CommandStep(NamedTuple):
         undo: The actions that take it back; None where nothing does.
         undo_reason: Why nothing does.
         stdin: What the command reads from stdin.
+        target: The property that it sets; empty for none.
+        old: The value before; None where none is known.
+        new: The value that it sets; None for none.
     """
 
     text: str
@@ -27,6 +30,9 @@ class CommandStep(NamedTuple):
     undo: tuple[Action, ...] | None = None
     undo_reason: str = ""
     stdin: str = ""
+    target: str = ""
+    old: str | None = None
+    new: str | None = None
 
 
 def text_in(action: Action, key: str, default: str | None = None) -> str:

@@ -19,6 +19,7 @@ from starlette.routing import Route
 
 from rtkit.api.live_records import Record
 from rtkit.errors import Malformed, Refused
+from rtkit.web.audit.audit_log import Author
 from rtkit.web.folders import granted
 from rtkit.web.jobs.running import outcome_of
 from rtkit.web.live.steps import Action, text_in, texts_in
@@ -213,6 +214,7 @@ def routes(site: WebSite) -> list[Route]:
             given=given,
             follows_stderr=True,
         )
+        site.audit.add(Author(request), f"Begin: {job.text}", job.typed)
         return JSONResponse(job.record())
 
     return [

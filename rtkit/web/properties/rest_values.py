@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 from rtkit.errors import RtkitError
 
-SetValue = Callable[[str, str], Awaitable[object]]
-"""Sets a property, given its target and a text."""
+SetValue = Callable[[str, str, bool], Awaitable[object]]
+"""Sets a property, given its target, a text, and whether it returns the value in force then."""
 
 
 class Rest(NamedTuple):
@@ -40,8 +40,13 @@ class ResettingValues:
         self._turns: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
         self._tasks: set[asyncio.Task[None]] = set()
 
-    async def set(self, page: Hashable, target: str, text: str, rest: Rest | None) -> None:
+    async def set(
+        self, page: Hashable, target: str, text: str, rest: Rest | None, *, is_echoed: bool = False
+    ) -> object:
         """Set a value: one that is held if it has a rest, else what was held is let go.
+
+        Returns:
+            The value in force then, if it `is_echoed`.
 
         Raises:
             RtkitError: It cannot be set.
@@ -52,7 +57,7 @@ class ResettingValues:
                 loop = asyncio.get_running_loop()
                 timer = loop.call_later(rest.after_s, self._let_go, page, target)
                 self._held[page, target] = _Held(rest, timer)
-            await self._set(target, text)
+            return await self._set(target, text, is_echoed)
 
     def page_ended(self, page: Hashable) -> None:
         """Let go what a page holds."""
@@ -82,6 +87,6 @@ class ResettingValues:
     async def _rest(self, target: str, text: str) -> None:
         async with self._turns[target]:
             try:
-                await self._set(target, text)
+                await self._set(target, text, False)
             except RtkitError as error:
                 self._fail(str(error))

@@ -15,12 +15,14 @@ from starlette.routing import Route
 
 from rtkit.api.asked import Ask
 from rtkit.api.live_records import Record
-from rtkit.errors import Malformed, NotFound
+from rtkit.errors import Malformed, NotFound, RtkitError
 from rtkit.panel.description import Panel, read_panel
+from rtkit.web.audit.audit_log import Author
 from rtkit.web.pages import NOTICE, PageStream
 from rtkit.web.properties.description import PropertyDescriptions
 from rtkit.web.properties.foreign_components import ForeignComponents
 from rtkit.web.properties.property_services import PropertyServices
+from rtkit.web.properties.property_steps import Before, before_of, inverse
 from rtkit.web.properties.property_watches import PropertyWatch
 from rtkit.web.properties.rest_values import ResettingValues, Rest
 from rtkit.web.replies import body_of
@@ -87,8 +89,26 @@ class _PropertyRoom:
         page = None
         if rest is not None or "page" in body:
             page = self._site.pages.found(_text(body.get("page"), "page"))
-        await self._held.set(page, target, text, rest)
-        return JSONResponse({"command": set_line(target, text)})
+        author, audit, line = Author(request), self._site.audit, set_line(target, text)
+        moving = audit.moving(author, target)
+        if rest is not None:
+            before = Before(None, "it was held, and has returned")
+        elif moving is not None:
+            before = Before(moving.old, moving.why)
+        else:
+            before = await self._run(partial(before_of, target, self._value_of))
+        is_echoed = before.text is not None
+        try:
+            echo = await self._held.set(page, target, text, rest, is_echoed=is_echoed)
+        except RtkitError as error:
+            failed = str(error)
+            audit.move(author, target, line, text, old=before.text, why=before.why, error=failed)
+            raise
+        new = echo if is_echoed and isinstance(echo, str) else text
+        number = audit.move(author, target, line, new, old=before.text, why=before.why)
+        undo = None if before.text is None else [inverse(target, before.text, new)]
+        about = {"undo": undo, "undo_reason": before.why, "change": number}
+        return JSONResponse({"command": line, **about})
 
     async def watch(self, request: Request) -> Response:
         body = await body_of(request)
@@ -125,8 +145,12 @@ class _PropertyRoom:
         code = self._components.take(request.path_params["id"])
         return HTMLResponse(code, headers=dict(COMPONENT_HEADERS))
 
-    async def _set(self, target: str, text: str) -> None:
-        await self._run(partial(self._client.payload, Ask(target, text), _BOUND_S))
+    async def _set(self, target: str, text: str, is_echoed: bool) -> object:
+        ask = Ask(target, text, {"echo": 1} if is_echoed else {})
+        return await self._run(partial(self._client.payload, ask, _BOUND_S))
+
+    def _value_of(self, target: str) -> str | bytes:
+        return self._client.payload(Ask(target), _BOUND_S)
 
     def _run(self, call: Callable[[], Any]) -> Awaitable[Any]:
         return asyncio.get_running_loop().run_in_executor(self._threads, call)

@@ -19,7 +19,7 @@ class Robot:
         self.changed = asyncio.Event()
         self.is_away = False
 
-    async def set(self, target: str, text: str) -> None:
+    async def set(self, target: str, text: str, _is_echoed: bool) -> None:
         await asyncio.sleep(0)
         if self.is_away:
             raise Unreachable(f"{target}: away")

@@ -14,6 +14,8 @@ export interface Actions {
   asked: Asked | null;
   history: History;
   perform: (actions: Action[], label: string) => Promise<boolean>;
+  /** Remembers what was done by other means than an action, and what takes it back. */
+  remember: (entry: Entry) => void;
   move: (way: Way) => Promise<void>;
 }
 
@@ -71,6 +73,8 @@ export function useActions(api: Api, toasts: Toasts): Actions {
     return done;
   }, [tryOut]);
 
+  const remember = useCallback((entry: Entry) => change((history) => recorded(history, entry)), [change]);
+
   const drop = useCallback((way: Way, entry: Entry) => () =>
     change((history) => ({ ...history, [way]: history[way].filter((one) => one !== entry) })), [change]);
 
@@ -102,7 +106,7 @@ export function useActions(api: Api, toasts: Toasts): Actions {
     return moved;
   }, [moveOne]);
 
-  return useMemo(() => ({ asked, history, perform, move }), [asked, history, perform, move]);
+  return useMemo(() => ({ asked, history, perform, remember, move }), [asked, history, perform, remember, move]);
 }
 
 /** What of an entry was not done, with the reason; null when all was. Each action is one step. */

@@ -123,6 +123,7 @@ export type Action =
   | { do: 'stop_manager'; manager: string; keep: boolean }
   | { do: 'save'; file: string; replace?: boolean }
   | { do: 'order'; file: string; order: string; steps: string[]; expect?: string[] }
+  | { do: 'set'; target: string; value: string; expect?: string }
   | MachineAction;
 
 /** What is done with a state machine; `machine` is the path of its service. */
@@ -140,6 +141,12 @@ export type MachineAction =
 export interface Step { text: string; command: string; ok: boolean | null; error: string }
 
 export interface Done { steps: Step[]; undo: Action[] | null; undo_reason: string }
+
+/** A change that was asked of the server; `old` and `new` are null where there is no value, or none that is known. */
+export interface AuditRecord {
+  id: number; time: number; page: string; by: string; text: string; command: string;
+  old: string | null; new: string | null; error: string; count: number;
+}
 
 export interface Connectable { path: string; type: string; why: string }
 

@@ -27,8 +27,9 @@ export interface Api {
   exported: (form: ExportForm) => Promise<Blob>;
 }
 
-export function createApi(token: string): Api {
-  const headers = { Authorization: `Bearer ${token}` };
+/** `page` is the id by which the server knows this page, and by which changes are told apart. */
+export function createApi(token: string, page: string): Api {
+  const headers = { Authorization: `Bearer ${token}`, 'Rtkit-Page': page };
   const get = <T>(path: string) => call<T>(path, { headers });
   const post = <T>(path: string, body: object) =>
     call<T>(path, { method: 'POST', headers: { ...headers, 'Content-Type': 'application/json' }, body: JSON.stringify(body) });

@@ -29,7 +29,7 @@ import { TopBar, type Settings } from './TopBar';
 import { EditorContext, RatesContext } from './contexts';
 import { addressOf } from './address';
 import { useEditorValue } from './editor';
-import { ROOMS, isRoom } from './rooms';
+import { ROOMS, isAboutWhatLives, isRoom } from './rooms';
 import { useAddress } from './useAddress';
 import { useLayout } from './useLayout';
 import { useScope } from './useScope';
@@ -42,9 +42,10 @@ interface Props { token: string; settings: Settings; onDenied: () => void }
 /** The editor: puts the system that the server tells, the view of this page and the actions together. */
 export function EditorPage({ token, settings, onDenied }: Props) {
   const texts = useTexts();
-  const api = useMemo(() => createApi(token), [token]);
+  const [page] = useState(() => crypto.randomUUID());
+  const api = useMemo(() => createApi(token, page), [token, page]);
   const subscriptions = useMemo(() => createSubscriptions(), []);
-  const values = useMemo(() => createValues(api, crypto.randomUUID()), [api]);
+  const values = useMemo(() => createValues(api, page), [api, page]);
   const toasts = useToasts();
   const { add } = toasts;
   const onNotice = useCallback(({ level, text }: Notice) => add({ level, title: text, lines: [], command: '', canUndo: false }), [add]);
@@ -58,9 +59,9 @@ export function EditorPage({ token, settings, onDenied }: Props) {
   const system = (isPast && past.system) || live;
   const shown = useScope(system, view.scope);
   const layout = useLayout(api, system.structure, view.folded, shown, isPast ? past.layoutAt : null, onError);
-  const { asked, history, perform, move } = useActions(api, toasts);
+  const { asked, history, perform, remember, move } = useActions(api, toasts);
   const canChange = link === 'up' && !live.isReadOnly && !isPast;
-  const editor = useEditorValue(api, subscriptions, isPast ? NO_VALUES : values, canChange, system, dispatch, perform);
+  const editor = useEditorValue(api, subscriptions, isPast ? NO_VALUES : values, canChange, system, dispatch, perform, remember);
   useEffect(() => {
     if (link === 'denied') onDenied();
   }, [link, onDenied]);
@@ -87,9 +88,11 @@ export function EditorPage({ token, settings, onDenied }: Props) {
     keys: () => editor.open({ kind: 'keys' }),
     turn: () => editor.show(view.kind === 'table' ? 'diagram' : 'table'),
     // What lives is not seen in a room: there these keys are about what is.
-    ...(!Room && {
+    ...(isAboutWhatLives(view.kind) && {
       undo: () => canChange && void move('undo'),
       redo: () => canChange && void move('redo'),
+    }),
+    ...(!Room && {
       remove,
       connect,
       all: () => editor.select([...part.components.keys()]),

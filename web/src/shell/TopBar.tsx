@@ -5,7 +5,7 @@ import { Counts } from '../parts/Counts';
 import { Icon, type IconName } from '../parts/icons';
 import { LANGUAGES, useTexts, type Language } from '../texts';
 import { useEditor } from './contexts';
-import { ROOM_KINDS, isRoom } from './rooms';
+import { ROOM_KINDS, isAboutWhatLives, isRoom } from './rooms';
 import type { Theme } from './theme';
 import type { Panel, View } from './view';
 
@@ -41,20 +41,20 @@ export function TopBar({ system, view, history, settings, onMove }: Props) {
           {ROOM_KINDS.map((kind) => <button key={kind} type="button" aria-pressed={view.kind === kind} onClick={() => show(kind)}>{texts.bar.rooms[kind]}</button>)}
         </div>
         {/* These are about what lives; rooms have tools of their own. */}
-        {!isRoom(view.kind) && (
+        {isAboutWhatLives(view.kind) && (
           <div className="tools">
             <div className="group">
               <IconButton icon="undo" label={undo ? texts.bar.undoOf(named(undo)) : texts.bar.undo} isDisabled={!undo || !canChange} onClick={() => onMove('undo')} />
               <IconButton icon="redo" label={redo ? texts.bar.redoOf(named(redo)) : texts.bar.redo} isDisabled={!redo || !canChange} onClick={() => onMove('redo')} />
-              <button type="button" disabled={!view.placed.size} onClick={arrange}><Icon name="arrange" />{texts.bar.arrange}</button>
+              {!isRoom(view.kind) && <button type="button" disabled={!view.placed.size} onClick={arrange}><Icon name="arrange" />{texts.bar.arrange}</button>}
             </div>
-            <button type="button" onClick={() => open({ kind: 'export' })}>{texts.exporting.open}</button>
-            <div className="group">
+            {!isRoom(view.kind) && <button type="button" onClick={() => open({ kind: 'export' })}>{texts.exporting.open}</button>}
+            {!isRoom(view.kind) && <div className="group">
               {PANELS.map(([panel, icon]) => (
                 <IconButton key={panel} icon={icon} isPressed={view.panels[panel]} onClick={() => togglePanel(panel)}
                   label={view.panels[panel] ? texts.bar.hide(texts.bar[panel]) : texts.bar.show(texts.bar[panel])} />
               ))}
-            </div>
+            </div>}
           </div>
         )}
       </div>

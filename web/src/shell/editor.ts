@@ -3,6 +3,7 @@ import { useEffect, useMemo, useRef, type Dispatch } from 'react';
 import type { Scope } from '../model/scope';
 import type { System } from '../model/system';
 import { portEnd, type Action } from '../model/types';
+import type { Entry } from '../model/undo';
 import type { Api } from '../server/api';
 import type { Subscriptions } from '../server/subscriptions';
 import type { Values } from '../server/values';
@@ -31,10 +32,12 @@ export interface Editor {
   draft: (key: string, parameter: string, text: string | null) => void;
   undraft: (key: string) => void;
   perform: (actions: Action[], label: string) => Promise<boolean>;
+  remember: (entry: Entry) => void;
 }
 
 export function useEditorValue(
   api: Api, subscriptions: Subscriptions, values: Values, canChange: boolean, system: System, dispatch: Dispatch<ViewEvent>, perform: Editor['perform'],
+  remember: Editor['remember'],
 ): Editor {
   const latest = useRef(system);
   useEffect(() => {
@@ -46,6 +49,7 @@ export function useEditorValue(
     values,
     canChange,
     perform,
+    remember,
     select: (ids) => dispatch({ kind: 'select', ids }),
     reveal: (path) => {
       const id = shownBy(path, latest.current);
@@ -61,7 +65,7 @@ export function useEditorValue(
     open: (dialog) => dispatch({ kind: 'dialog', dialog }),
     draft: (key, parameter, text) => dispatch({ kind: 'draft', key, parameter, text }),
     undraft: (key) => dispatch({ kind: 'undraft', key }),
-  }), [api, subscriptions, values, canChange, dispatch, perform]);
+  }), [api, subscriptions, values, canChange, dispatch, perform, remember]);
 }
 
 /** Events name ports, too: what is shown then is the component of the port. */

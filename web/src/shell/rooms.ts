@@ -22,4 +22,7 @@ export type RoomKind = keyof typeof ROOMS;
 
 export const ROOM_KINDS = Object.keys(ROOMS) as readonly RoomKind[];
 
+/** Where Undo and Redo are about what lives; other rooms have a history of their own, or none. */
+export const isAboutWhatLives = (kind: string): boolean => !isRoom(kind) || kind === 'properties';
+
 export const isRoom = (kind: string): kind is RoomKind => Object.hasOwn(ROOMS, kind);

@@ -6,6 +6,12 @@ export function isTyping(event: KeyboardEvent): boolean {
   return Boolean(at?.closest('input, select, textarea, dialog, [contenteditable]'));
 }
 
+/** True where Ctrl-Z takes back what was typed; a slider or a check box has no such thing. */
+function isText(event: KeyboardEvent): boolean {
+  const at = event.target instanceof Element ? event.target : null;
+  return !at?.matches('input:is([type=range], [type=checkbox], [type=radio])') && isTyping(event);
+}
+
 type Name = 'palette' | 'keys' | 'undo' | 'redo' | 'remove' | 'connect' | 'clear' | 'turn' | 'all';
 /** What keys do; one without a function is left to others. */
 export type Shortcuts = Partial<Record<Name, () => void>>;
@@ -34,9 +40,10 @@ function shortcutOf(event: KeyboardEvent): Name | null {
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
   const isControl = event.ctrlKey || event.metaKey;
   if (isControl && key === 'k') return 'palette';
-  if (isTyping(event)) return null;
+  if (isText(event)) return null;
   if (isControl && key === 'z') return event.shiftKey ? 'redo' : 'undo';
   if (isControl && key === 'y') return 'redo';
+  if (isTyping(event)) return null;
   if (isControl && key === 'a') return 'all';
   if (isControl || event.altKey) return null;
   const plain: Record<string, Name> = {

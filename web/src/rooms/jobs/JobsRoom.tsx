@@ -8,6 +8,7 @@ import { useRoomTexts } from '../../texts';
 import { jobsTexts as en } from '../../texts/en/jobs';
 import { jobsTexts as ja } from '../../texts/ja/jobs';
 import './jobs.css';
+import { ChangeList } from './ChangeList';
 import { useJobRows } from './useJob';
 
 /** More rows than these nobody reads. */
@@ -15,7 +16,7 @@ const SHOWN = 500;
 /** The signal of Ctrl-C, which ends a job that is stopped. */
 const INTERRUPT = 2;
 
-/** Commands that go on for some time: what they are, what they have told, and their end. */
+/** Commands that go on for some time: what they are, what they have told, and their end. Below is all that was changed. */
 export default function JobsRoom({ system, view }: RoomProps) {
   const texts = useRoomTexts({ en, ja });
   const { show } = useEditor();
@@ -43,6 +44,7 @@ export default function JobsRoom({ system, view }: RoomProps) {
           </tbody>
         </table>
       )}
+      {!job && <ChangeList />}
     </main>
   );
 }

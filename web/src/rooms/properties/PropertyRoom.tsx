@@ -4,7 +4,7 @@ import { Icon } from '../../parts/icons';
 import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
 import type { RoomProps } from '../../shell/rooms';
-import { useRoomTexts } from '../../texts';
+import { useRoomTexts, useTexts } from '../../texts';
 import { propertiesTexts as en } from '../../texts/en/properties';
 import { propertiesTexts as ja } from '../../texts/ja/properties';
 import { OwnPage, loaded } from './OwnPage';
@@ -12,7 +12,7 @@ import { PropertyPanel } from './PropertyPanel';
 import { PropertyTree } from './PropertyTree';
 import { NO_LAYOUT, layoutOf, textOf, type PageLayout } from './layout';
 import './properties.css';
-import { createSource } from './source';
+import { createSource, type SetDone } from './source';
 import { ownersOf, targetOf } from './tree';
 import { useNames, usePropertyPage, useServices, type Wanted } from './useProperties';
 
@@ -23,9 +23,13 @@ const KEY = 'rtkit.page';
 /** Live properties: a tree of them, the page of each, and pages put together from several. */
 export default function PropertyRoom({ system, view }: RoomProps) {
   const texts = useRoomTexts({ en, ja });
-  const { api, canChange, show, values: { page: id } } = useEditor();
-  const [command, setCommand] = useState('');
-  const source = useMemo(() => createSource(api, id, system.isReadOnly, setCommand), [api, id, system.isReadOnly]);
+  const { label: labels, plan } = useTexts();
+  const { api, canChange, show, remember, values: { page: id } } = useEditor();
+  const [done, setDone] = useState<SetDone | null>(null);
+  const source = useMemo(() => createSource(api, id, system.isReadOnly, (news) => {
+    setDone(news);
+    if (news.undo) remember({ label: labels.set(news.target), actions: news.undo, change: news.change });
+  }), [api, id, system.isReadOnly, remember, labels]);
   const services = useServices(api, system.structure);
   const owners = useMemo(() => ownersOf(services, system), [services, system]);
   const { names, load } = useNames(api);
@@ -85,7 +89,10 @@ export default function PropertyRoom({ system, view }: RoomProps) {
         {wanted && page.gui && <PropertyPanel key={`${of} ${texts.heading}`} gui={page.gui} source={source} values={page.values} isLost={!isUp} />}
         {wanted && !page.gui && !problem && <p className="empty">{texts.asking}</p>}
       </div>
-      <div className="last-command" role="status">{command && <><span>{texts.lastSet}</span><code>{command}</code><CopyButton text={command} label={texts.copy} /></>}</div>
+      <div className="last-command" role="status">
+        {done && <><span>{texts.lastSet}</span><code>{done.command}</code><CopyButton text={done.command} label={texts.copy} /></>}
+        {done?.undo === null && <span className="note">{plan.noUndo(done.undo_reason)}</span>}
+      </div>
     </main>
   );
 }

@@ -91,6 +91,7 @@ export const en = {
     configure: (name: string) => `Configure ${name}`, activateSet: (name: string, set: string) => `Activate set ${set} of ${name}`,
     save: (file: string) => `Save the system as ${file}`,
     create: (name: string, manager: string) => `Create ${name} in ${manager}`, load: (module: string, manager: string) => `Load ${module} into ${manager}`,
+    set: (target: string) => `Set ${target}`,
     rate: (name: string, hz: string) => `Set the rate of ${name} to ${hz} Hz`,
     several: (n: number) => `${n} components`, undo: (label: string) => `Undo: ${label}`, redo: (label: string) => `Redo: ${label}`,
   },

@@ -91,6 +91,7 @@ export const ja: Texts = {
     configure: (name) => `${name} を設定`, activateSet: (name, set) => `${name} のセット ${set} をアクティブ化`,
     save: (file) => `システムを ${file} に保存`,
     create: (name, manager) => `${manager} に ${name} を生成`, load: (module, manager) => `${manager} に ${module} をロード`,
+    set: (target) => `${target} を設定`,
     rate: (name, hz) => `${name} の周期を ${hz} Hz に設定`,
     several: (n) => `コンポーネント ${n} 個`, undo: (label) => `元に戻す: ${label}`, redo: (label) => `やり直す: ${label}`,
   },

@@ -1,0 +1,1 @@
+"""The record of what pages and scripts have changed."""
