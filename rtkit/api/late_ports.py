@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from rtkit.api.session import Session
     from rtkit.deployment.facts import Snapshot
     from rtkit.probe.tap import Arrival
+    from rtkit.rtc.names import Path
 
 _SETTLE_S = 0.05
 """Time that others have to come, too, before the ports that came are looked at [s]."""
@@ -196,6 +197,10 @@ class _Known(NamedTuple):
         return any(end.instance == instance for each in ends for end in each)
 
     def listing(self) -> Listing:
+        """Return the short list of components."""
+        return self.short
+
+    def listing_at(self, paths: Sequence[Path]) -> Listing:
         """Return the short list of components."""
         return self.short
 

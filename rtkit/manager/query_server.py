@@ -169,6 +169,8 @@ class ManagerQueryServer:
         if kind == "part":
             instances = zenoh_keys.unescape(which).split(",")
             return _compact(encode(part_of(self._snapshot(), instances)))
+        if kind == "listing" and which:
+            return self._listing_at(zenoh_keys.unescape(which).split("\n"))
         if name not in self._views:
             if name == "listing":
                 text = listing_to_text(listing_of(self._snapshot()))
@@ -178,6 +180,23 @@ class ManagerQueryServer:
                 raise NotFound(f"no such view: {name}")
             self._views[name] = text
         return self._views[name]
+
+    def _listing_at(self, paths: Sequence[str]) -> str:
+        """Return a listing with the components at these paths, or a whole one in doubt."""
+        state = self._state
+        at_paths = [state.at_path(path) for path in paths]
+        instances = dict.fromkeys(each for found in at_paths for each in found)
+        facts = tuple(state.components[each] for each in instances)
+        is_plain = not any(each.members for each in facts)  # others know what a composite shows
+        if not is_plain or any(len(found) > 1 for found in at_paths):
+            return self._view("listing")
+        wires = {
+            each.connector_id: each
+            for instance in instances
+            for each in state.connectors_of(instance)
+        }
+        part = replace(state.snapshot(), components=facts, connectors=tuple(wires.values()))
+        return listing_to_text(listing_of(part))
 
     def _snapshot(self) -> Snapshot:
         return replace(self._state.snapshot(), properties=manager_properties.table(self._state))

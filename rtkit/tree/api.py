@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
         def listing(self) -> Listing: ...
 
+        def listing_at(self, paths: Sequence[Path]) -> Listing: ...
+
         def part(self, instances: Sequence[str]) -> Snapshot: ...
 
         def apply(
@@ -126,12 +128,12 @@ class ByPath:
             Refused: It is no component.
         """
         from rtkit.deployment.actions import Delete
-        from rtkit.tree.resolve import check_component_syntax
+        from rtkit.tree.resolve import check_component_syntax, entry, node_at
 
         where = _read(path)
         check_component_syntax(where)
         tree = self.led_to(where)
-        node = _entry(tree.listing(), where)
+        node = node_at(tree, where, entry)
         if node.is_directory:
             raise Refused(f"Not a component: {path}")
         tree.perform(Delete(node.instance))
@@ -302,18 +304,17 @@ def _entry(listing: Listing, where: Path) -> TreeNode:
     return entry(build(listing), where, listing.host)
 
 
-def _component(listing: Listing, path: str) -> TreeNode:
-    from rtkit.tree.resolve import component
-    from rtkit.tree.view import build
+def _component(tree: _Calls, path: str) -> TreeNode:
+    from rtkit.tree.resolve import component, node_at
 
-    return component(build(listing), _read(path), listing.host)
+    return node_at(tree, _read(path), component)
 
 
 def _change(tree: _Calls, path: str, context: int | str, transition: str) -> None:
     from rtkit.deployment.actions import ChangeState
     from rtkit.rtc.enums import Transition
 
-    node = _component(tree.listing(), path)
+    node = _component(tree, path)
     id = context if isinstance(context, str) else _context(tree, node, context)
     tree.perform(ChangeState(node.instance, id, Transition(transition)))
 
@@ -321,7 +322,7 @@ def _change(tree: _Calls, path: str, context: int | str, transition: str) -> Non
 def _tick(tree: _Calls, path: str, context: int | str) -> Action:
     from rtkit.deployment.actions import Tick
 
-    node = _component(tree.listing(), path)
+    node = _component(tree, path)
     return Tick(
         node.instance, context if isinstance(context, str) else _context(tree, node, context)
     )
@@ -339,7 +340,7 @@ def _context(tree: _Calls, node: TreeNode, index: int) -> str:
 
 
 def _facts(tree: _Calls, path: str) -> ComponentFacts:
-    instance = _component(tree.listing(), path).instance
+    instance = _component(tree, path).instance
     facts = tree.part([instance]).component(instance)
     if facts is None:
         raise NotFound(f"No such object: {path}")

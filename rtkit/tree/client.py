@@ -91,6 +91,20 @@ class Tree(ByPath, Closing):
 
         return listing_from_text(self.view("listing"))
 
+    def listing_at(self, paths: Sequence[Path]) -> Listing:
+        """Return a listing with the components at a few paths, and perhaps others.
+
+        For `rtkit.tree.resolve.nodes_at`.
+
+        Raises:
+            Unreachable: The manager does not answer in time.
+            NotFound: It is of a version that cannot report it.
+        """
+        from rtkit.deployment.listing import listing_from_text
+
+        which = "\n".join("/".join(path.elements) for path in paths)
+        return listing_from_text(self.view(f"listing/{zenoh_keys.escape(which)}"))
+
     def snapshot(self) -> Snapshot:
         """Return everything that the manager knows.
 

@@ -2,12 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.manager_address import is_address
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, Path, is_local_host
-from rtkit.tree.view import NodeKind, TreeNode
+from rtkit.tree.view import NodeKind, TreeNode, build
+
+if TYPE_CHECKING:
+    from rtkit.deployment.listing import Listing
+
+Node = TypeVar("Node")
+_FEW = 50
+"""For more paths the whole listing is asked for at once."""
+
+
+class Listings(Protocol):
+    """Source of listings: a `Tree`."""
+
+    def listing(self) -> Listing:
+        """Return the short list of components."""
+        ...
+
+    def listing_at(self, paths: Sequence[Path]) -> Listing:
+        """Return one with the components at a few paths."""
+        ...
+
+
+def nodes_at(
+    asked: Listings, paths: Sequence[Path], how: Callable[[TreeNode, Path, str], Node]
+) -> list[Node]:
+    """Return what `how`, a function of this module, finds at each path.
+
+    Only what is at these paths is asked for. Where that does not do, the whole listing is, so that
+    an error tells what may have been meant.
+    """
+    if len(paths) <= _FEW:
+        try:
+            found = _nodes(asked.listing_at(paths), paths, how)
+        except (NotFound, Refused, Malformed):
+            found = []
+        if found and None not in found:
+            return found
+    return _nodes(asked.listing(), paths, how)
+
+
+def node_at(asked: Listings, path: Path, how: Callable[[TreeNode, Path, str], Node]) -> Node:
+    """Return what `how` finds at one path; see `nodes_at`."""
+    return nodes_at(asked, [path], how)[0]
+
+
+def _nodes(
+    listing: Listing, paths: Sequence[Path], how: Callable[[TreeNode, Path, str], Node]
+) -> list[Node]:
+    root = build(listing)
+    return [how(root, path, listing.host) for path in paths]
 
 
 def find(root: TreeNode, path: Path, hostname: str) -> TreeNode | None:

@@ -11,8 +11,7 @@ from rtkit.rtc.enums import PortType
 from rtkit.rtc.far_ends import far_name, host_of, on_host
 from rtkit.rtc.names import Path
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
-from rtkit.tree.resolve import component_of_port, no_port
-from rtkit.tree.view import build
+from rtkit.tree.resolve import component_of_port, no_port, node_at, nodes_at
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
@@ -59,6 +58,10 @@ class Facts(Protocol):
         """Return the short list of components."""
         ...
 
+    def listing_at(self, paths: Sequence[Path]) -> Listing:
+        """Return one with the components at a few paths."""
+        ...
+
     def part(self, instances: Sequence[str]) -> Snapshot:
         """Return what concerns a few components."""
         ...
@@ -78,9 +81,7 @@ def find_ends(facts: Facts, paths: Sequence[Path]) -> tuple[Snapshot, list[Resol
         NotFound: A component, or a port, does not exist.
         Refused: Something else than a living component is there.
     """
-    listing = facts.listing()
-    root = build(listing)
-    instances = [component_of_port(root, path, listing.host).instance for path in paths]
+    instances = [node.instance for node in nodes_at(facts, paths, component_of_port)]
     snapshot = facts.part(instances)
     own = OwnEnds.of(snapshot)
     ends = [_end(snapshot, own, *each) for each in zip(instances, paths, strict=True)]
@@ -178,8 +179,7 @@ def ports_of(facts: Facts, path: Path) -> tuple[PortProfile, ...]:
         NotFound: There is no such component.
         Refused: Something else than a living component is there.
     """
-    listing = facts.listing()
-    instance = component_of_port(build(listing), path, listing.host).instance
+    instance = node_at(facts, path, component_of_port).instance
     known = facts.part([instance]).component(instance)
     return known.ports if known is not None else ()
 

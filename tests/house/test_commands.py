@@ -221,6 +221,8 @@ class Tree:
         from rtkit.deployment.listing import Listing, ListingRow
         row = ('A', 'Inactive', 0, 0, 0, 0, 0, 0, 'm', '', '', False, ('localhost/A.rtc',))
         return Listing('box', 'm', 1, (), (ListingRow(*row),))
+    def listing_at(self, paths):
+        return self.listing()
     def snapshot(self):
         from rtkit.deployment.facts import ComponentFacts, Snapshot
         from rtkit.rtc.enums import ExecutionKind

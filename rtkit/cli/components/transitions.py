@@ -96,14 +96,11 @@ def _asked(
     app: App, paths: Sequence[Path], transition: Transition, index: int | None, wait: bool
 ) -> list[_Asked]:
     from rtkit.deployment.actions import ChangeState
-    from rtkit.tree.resolve import component, supervised
-    from rtkit.tree.view import build
+    from rtkit.tree.resolve import component, nodes_at, supervised
 
     # The short listing only has the first context.
-    listing = app.tree.listing()
-    root = build(listing)
     find = component if transition is Transition.ACTIVATE else supervised
-    nodes = [find(root, path, listing.host) for path in paths]
+    nodes = nodes_at(app.tree, paths, find)
     snapshot = app.tree.part([node.instance for node in nodes]) if index != 0 else None
     asked: list[_Asked] = []
     for path, node in zip(paths, nodes, strict=True):

@@ -145,10 +145,9 @@ class App:
 
         It gets the root of the tree, the path, and the host that ``localhost`` means.
         """
-        from rtkit.tree.view import build
+        from rtkit.tree.resolve import node_at
 
-        listing = self.tree.listing()
-        return how(build(listing), path, listing.host)
+        return node_at(self.tree, path, how)
 
     def facts(self, path: Path) -> ComponentFacts:
         """Return the facts of the living component at a path.

@@ -12,6 +12,7 @@ from rtkit.manager.core.desired import DesiredComponent, DesiredState, RestartRe
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.indexed_table import IndexedTable
 from rtkit.rtc.far_ends import host_of, on_host, peer_of
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, is_local_host
 from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile, PortRef
 from rtkit.settings.properties import Settings
@@ -348,6 +349,16 @@ class ManagerState:
         if name in self.names:
             return f"manager {self.name}"
         return next(iter(self.claims.keys_with(name)), "")
+
+    def at_path(self, path: str) -> list[str]:
+        """Return the components that may be at a path: by a name, or below their manager."""
+        host, _, rest = path.partition("/")
+        instance = rest.rpartition("/")[2].removesuffix(COMPONENT_SUFFIX)
+        found = {instance: None} if instance in self.components else {}
+        hosts = (host, LOCAL, self.host) if is_local_host(host, self.host) else (host,)
+        for each in hosts:
+            found |= dict.fromkeys(self.components.keys_with(f"{each}/{rest}"))
+        return list(found)
 
     def name_below(self, name: str) -> str:
         """Return a full name in a directory, taken or reserved; empty when there is none."""
