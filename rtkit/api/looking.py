@@ -251,4 +251,5 @@ def runner(
         taken,
         uninterrupted,
         is_strict=session.is_strict,
+        watch=session.watch,
     )

@@ -134,7 +134,9 @@ def carry_out(
     report = session.report
     older = owning.claim(session, document, goal) if owns else {}
     with step_times.noting(session, goal.system, snapshot) as taken:
-        applier = Applier(session.tree, goal, report, report, taken, survey, uninterrupted)
+        applier = Applier(
+            session.tree, goal, report, report, taken, survey, uninterrupted, session.watch
+        )
         applier.run(plan, snapshot, rolls_back=rolls_back, is_exact=is_exact)
     if owns:
         owning.note(session, document, goal, older)

@@ -13,6 +13,7 @@ from rtkit.errors import Malformed
 from rtkit.link import stopping
 
 if TYPE_CHECKING:
+    from rtkit.deployment.plan_watch import PlanWatch
     from rtkit.rtc.names import Path
     from rtkit.tree.client import Tree
     from rtkit.tree.view import TreeNode
@@ -31,11 +32,13 @@ class Session(Protocol):
         name: Names the run where others see it, as at a plan lock.
         timeout_s: Time-out of each call [s].
         is_strict: Take warnings for errors.
+        watch: Receives plans and what becomes of their steps, as records; None for lines.
     """
 
     name: str
     timeout_s: float
     is_strict: bool
+    watch: PlanWatch | None
 
     @property
     def tree(self) -> Tree:
@@ -115,6 +118,7 @@ class ScriptSession(Closing):
         self.name = name
         self.timeout_s = tree.timeout_s
         self.is_strict = is_strict
+        self.watch: PlanWatch | None = None
         self.finds_managers = True
         self.usual_manager = tree.manager
         self._notify = notify

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.layered_plan import LayeredPlan
     from rtkit.deployment.live_index import LiveIndex
+    from rtkit.deployment.planning.step_costs import Costs
     from rtkit.deployment.start_schedule import StartPlan
     from rtkit.deployment.system import WantedSystem
     from rtkit.tree.plan_locks import PlanLocks
@@ -70,9 +71,15 @@ def bring_up(
         check_reserved(session, system, before)
         lacks = {**unplaced, **missing(session, system, before)} if may_create else {}
         with document.naming():
+            plans: list[LayeredPlan] = []
+            if is_dry or session.watch is not None:
+                plans = list(bring_up_plans(system, before, may_create=may_create, lacks=lacks))
+                _report_layers(session, plans, system, before)
             if is_dry:
-                return list(bring_up_plans(system, before, may_create=may_create, lacks=lacks))
+                return plans
             _create(session, system, before, lacks, may_create=may_create)
+            if session.watch is not None:
+                session.watch.reached()
     if is_followed:
         states.follow_now(session, document, stand_in=stand_in, transmit=transmit)
     return ()
@@ -95,6 +102,21 @@ def _create(
     ):
         runner = looking.runner(session, count, taken)
         resurrect(session.tree, system, before, runner, may_create=may_create, lacks=lacks)
+
+
+def _report_layers(
+    session: Session, plans: Sequence[LayeredPlan], system: WantedSystem, before: Snapshot
+) -> None:
+    if session.watch is not None:
+        from rtkit.deployment.plan_records import layered_record
+
+        session.watch.plan(layered_record(plans, _costs(session, system, before)))
+
+
+def _costs(session: Session, system: WantedSystem, snapshot: Snapshot) -> Costs:
+    from rtkit.api.planning import settled_costs
+
+    return settled_costs(session, (), system, snapshot, is_measured=True)
 
 
 def start_plan_of(document: SystemProfile, *, wait: bool) -> PlanFor:
@@ -159,6 +181,10 @@ def prepare(
     plan = plan_for(system, LiveIndex(snapshot, system))
     for text in plan.warnings():
         session.fail(f"warning: {text}")
+    if session.watch is not None:
+        from rtkit.deployment.plan_records import start_record
+
+        session.watch.plan(start_record(plan, _costs(session, system, snapshot)))
     return StartInputs(system, snapshot, plan)
 
 
@@ -181,7 +207,9 @@ def carry_out(session: Session, inputs: StartInputs, timeout_s: float | None = N
         step_times.noting(session, system, snapshot) as taken,
         session.counting(session.name.split()[-1]) as count,
     ):
-        starter = Starter(session.tree, plan, session.report, session.fail, bound_s, count, taken)
+        starter = Starter(
+            session.tree, plan, session.report, session.fail, bound_s, count, taken, session.watch
+        )
         starter.run()
 
 
@@ -213,6 +241,7 @@ def teardown(
     system = looking.wanted_system(session, document, snapshot)
     if is_dry:
         plan = teardown_plan(system, LiveIndex(snapshot, system), ends_components=ends_components)
+        _report_layers(session, [plan], system, snapshot)
     else:
         with owning.given_up(session, document, ends=ends_components):
             plan = _torn_down(session, document, system, snapshot, ends_components=ends_components)
@@ -239,6 +268,7 @@ def _torn_down(
     if states.end_if_followed(session, document, snapshot):
         snapshot = looking.remains(session)
     plan = teardown_plan(system, LiveIndex(snapshot, system), ends_components=ends_components)
+    _report_layers(session, [plan], system, snapshot)
     with (
         _reporting_progress(session, system, left_now),
         step_times.noting(session, system, snapshot) as taken,
@@ -253,6 +283,7 @@ def _uninstall(
     from rtkit.api.packaged import leftover
     from rtkit.deployment.applying import Applier
     from rtkit.deployment.goal import DeploymentGoal
+    from rtkit.deployment.planning.rendering import as_plain
     from rtkit.tree.grace import uninterrupted
 
     snapshot = looking.remains(session)
@@ -260,9 +291,16 @@ def _uninstall(
     packages = leftover(session, document, snapshot)
     goal = DeploymentGoal(system, absent=names, packages=packages)
     plan = goal.plan(snapshot)
-    if not is_dry:
+    watch = session.watch
+    if not is_dry and plan.moves:
         report = session.verbose
-        Applier(session.tree, goal, report, report, careful=uninterrupted).run(plan, snapshot)
+        applier = Applier(session.tree, goal, report, report, careful=uninterrupted, watch=watch)
+        applier.run(plan, snapshot)
+    elif watch is not None and plan.moves:
+        record = as_plain(plan, goal.costs)
+        # The components, which live in a dry run, are ended by the plan that was told before.
+        steps = [each for each in record["steps"] if each["kind"] == "uninstall"]
+        watch.plan({**record, "steps": steps}, "packages that nothing needs any more")
     return [move.text for move in plan.moves if move.kind == "uninstall"]
 
 

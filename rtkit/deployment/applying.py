@@ -17,12 +17,13 @@ from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.layered_plan import Layer, LayeredPlan
 from rtkit.deployment.live_index import LiveIndex
 from rtkit.deployment.multi_manager import homes_in
+from rtkit.deployment.plan_watch import BEGUN, DONE, FAILED, HELD, PlanWatch
 from rtkit.deployment.planning.deployment_plan import DeploymentPlan, make_plan
 from rtkit.deployment.planning.explain import NoPlan
 from rtkit.deployment.planning.model import Model
 from rtkit.deployment.planning.model_builder import BuiltModel
 from rtkit.deployment.planning.operators import Operator
-from rtkit.deployment.planning.rendering import lines
+from rtkit.deployment.planning.rendering import as_plain, lines
 from rtkit.deployment.planning.rollback import Rollback
 from rtkit.deployment.planning.to_actions import ActionBuilder
 from rtkit.deployment.runner import PlanRunner, Talk
@@ -56,6 +57,7 @@ class Applier:
         taken: list[tuple[Action, float]] | None = None,
         seen: BuiltModel | None = None,
         careful: Careful = at_once,
+        watch: PlanWatch | None = None,
     ) -> None:
         """Prepare to reach `goal`.
 
@@ -67,6 +69,7 @@ class Applier:
             taken: Gets what the actions took that were done [s].
             seen: Model that the plan was made from, if its notes are reported already.
             careful: Makes the calls; an interruption of the command waits for their end.
+            watch: Receives each plan and what becomes of its steps; `progress` nothing then.
         """
         self.unmet = seen.unmet if seen is not None else ()
         self._noted = set(seen.notes if seen is not None else ())
@@ -75,8 +78,15 @@ class Applier:
         self._goal = self._began = goal
         self._report = report
         self._progress = progress
+        self._watch = watch
+        self._actions = _ActionWatch(watch) if watch is not None else None
         self._runner = PlanRunner(
-            site, report, taken=taken, careful=careful, is_strict=goal.is_strict
+            site,
+            report,
+            taken=taken,
+            careful=careful,
+            is_strict=goal.is_strict,
+            watch=self._actions,
         )
         self._look: Callable[[], Snapshot] = lambda: careful(site.snapshot)
         self._moves: Sequence[Operator] = ()
@@ -100,6 +110,7 @@ class Applier:
             KeyboardInterrupt: Interrupted; its text states what is left.
         """
         system = self._goal.system
+        self._planned(plan)
         try:
             self._is_exact = is_exact
             self._install(plan)
@@ -130,19 +141,38 @@ class Applier:
         for move in plan.moves:
             if move.kind == "install":
                 self._do_with_package(move)
-                self._progress(f"[1/{len(plan.layers)}] {move.text}")
+                self._finished(move, f"[1/{len(plan.layers)}]")
 
     def _do_with_package(self, move: Operator) -> None:
         packages = self._goal.packages
-        call = getattr(packages.installer, move.kind)
-        try:
-            self._careful(partial(call, move.subject))
-        except RtkitError as error:
-            raise from_kind(error.kind, f"{move.text}: {error}") from error
+        self._do(move, partial(getattr(packages.installer, move.kind), move.subject))
         change = {move.subject}
         known = packages.installed
         there = known | change if move.kind == "install" else known - change
         self._goal = replace(self._goal, packages=replace(packages, installed=there))
+
+    def _do(self, move: Operator, call: Callable[[], object]) -> None:
+        """Carry out a step that is no action of a manager."""
+        self._note(move, BEGUN)
+        try:
+            self._careful(call)
+        except RtkitError as error:
+            self._note(move, FAILED, str(error))
+            raise from_kind(error.kind, f"{move.text}: {error}") from error
+
+    def _note(self, move: Operator, state: str, why: str = "") -> None:
+        if self._watch is not None:
+            self._watch.step(move.text, state, why=why)
+
+    def _planned(self, plan: DeploymentPlan, reason: str = "") -> None:
+        if self._watch is not None:
+            self._watch.plan(as_plain(plan, self._goal.costs), reason)
+
+    def _finished(self, move: Operator, where: str) -> None:
+        if self._actions is not None:
+            self._actions.finished(move.text)
+        else:
+            self._progress(f"{where} {move.text}")
 
     def _with_managers(
         self, plan: DeploymentPlan, before: Snapshot
@@ -150,19 +180,19 @@ class Applier:
         """Start the managers of a plan; what they bring back counts as what lived before."""
         starts = [move for move in plan.moves if move.kind == "start_manager"]
         for move in starts:
-            try:
-                self._careful(partial(self._site.start_manager, move.subject))
-            except RtkitError as error:
-                raise from_kind(error.kind, f"{move.text}: {error}") from error
-            self._progress(f"[1/{len(plan.layers)}] {move.text}")
+            self._do(move, partial(self._site.start_manager, move.subject))
+            self._finished(move, f"[1/{len(plan.layers)}]")
         if not starts:
             return plan, before
         before = self._look()
         started = {move.subject for move in starts}
         if started.isdisjoint(homes_in(before).values()):
             return plan, before
-        self._differs("a manager came back with what it kept")
-        return self._goal.plan(before), before
+        why = "a manager came back with what it kept"
+        self._differs(why)
+        plan = self._goal.plan(before)
+        self._planned(plan, why)
+        return plan, before
 
     def _reach(
         self, plan: DeploymentPlan, doing: ActionBuilder, see: See, system: WantedSystem
@@ -181,6 +211,8 @@ class Applier:
             plan = make_plan(see(self._look()), self._goal.ranks)
             if plan.moves and self._is_exact:
                 self._differs("it led elsewhere")
+            if plan.moves:
+                self._planned(plan, why or "it led elsewhere")
         raise Refused(f"what lives differed from {_MOST_PLANS} plans")
 
     def _differs(self, why: str) -> None:
@@ -202,6 +234,9 @@ class Applier:
             snapshot = self._look()
             model = see(snapshot)
             todo = [plan.moves[n] for n in layer if not _is_done(plan.moves[n], model)]
+            for move in (plan.moves[n] for n in layer if plan.moves[n] not in todo):
+                if move.kind not in ("install", "start_manager"):  # these are done by now
+                    self._note(move, HELD)
             why = next(filter(None, (_obstacle(move, model) for move in todo)), "")
             if why:
                 return why
@@ -232,7 +267,7 @@ class Applier:
             if awaited[move.text] > 0:
                 left.append(move)
             else:
-                self._progress(f"{where} {move.text}")
+                self._finished(move, where)
         return left
 
     def _parts(self, layer: Layer) -> Iterator[Layer]:
@@ -271,6 +306,8 @@ class Applier:
                 plan = make_plan(way.model(self._look()), self._goal.ranks)
                 for line in lines(plan) if plan.moves else ():
                     self._report(line.replace("plan:", "way back:", 1))
+                if plan.moves:
+                    self._planned(plan, "way back")
                 self._runner.failed.clear()
                 self._reach(plan, doing, way.model, nothing)
                 is_over = True
@@ -301,6 +338,23 @@ class Applier:
         gone = ", ".join(way.gone(left))
         ended = f", but for what was in manager {gone}, which has ended" if gone else ""
         return f"everything is as it was before{but}{ended}"
+
+
+class _ActionWatch(PlanWatch):
+    """Receives what becomes of actions: a step is done when all of its actions are."""
+
+    def __init__(self, watch: PlanWatch) -> None:
+        self._watch = watch
+        self._took_s: dict[str, float] = {}
+
+    def step(self, text: str, state: str, took_s: float | None = None, why: str = "") -> None:
+        if state == DONE:
+            self._took_s[text] = self._took_s.get(text, 0.0) + (took_s or 0.0)
+        elif state == FAILED or text not in self._took_s:
+            self._watch.step(text, state, why=why)
+
+    def finished(self, text: str) -> None:
+        self._watch.step(text, DONE, self._took_s.pop(text, 0.0))
 
 
 def _is_done(move: Operator, model: Model) -> bool:

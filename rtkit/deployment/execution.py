@@ -9,13 +9,24 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 from rtkit.deployment.actions import Result
 from rtkit.deployment.conditions import OrderTarget, StartCondition
+from rtkit.deployment.plan_watch import DONE, FAILED
 from rtkit.deployment.start_schedule import ScheduledAction, StartPlan, words
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 _MOST_PENDING = 3
+
+
+class StepEnd(NamedTuple):
+    """The end of a step, as `PlanWatch.step` receives it."""
+
+    text: str
+    state: str
+    took_s: float | None
+    why: str
 
 
 class StartExecution:
@@ -52,6 +63,7 @@ class StartExecution:
         self._asked_at = self._moved_at = now
         self._unmet_since: dict[tuple[int, StartCondition], float] = {}
         self._reports: list[str] = []
+        self._ends: list[StepEnd] = []
         self._timeout_s = timeout_s
         self._patience_s = patience_s
         self._deadline = now + timeout_s if timeout_s is not None else None
@@ -103,7 +115,9 @@ class StartExecution:
         del self._running[turn.id]
         self._over.add(turn.target)
         self._moved_at = now
-        if not result.ok:
+        if result.ok:
+            self._ends.append(StepEnd(turn.step.text, DONE, result.took_s, ""))
+        else:
             self._failed(turn, turn.step.failure_text(result.why))
 
     def cancel(self, why: str) -> None:
@@ -115,6 +129,11 @@ class StartExecution:
         """Return what failed without ending the plan, since the last call."""
         reports, self._reports = self._reports, []
         return reports
+
+    def ends(self) -> list[StepEnd]:
+        """Return what was done or failed since the last call."""
+        ends, self._ends = self._ends, []
+        return ends
 
     def next_moment(self) -> float | None:
         """Return when `ready` is to be called again though nothing happened; None for never.
@@ -170,6 +189,7 @@ class StartExecution:
         return True
 
     def _failed(self, turn: ScheduledAction, why: str) -> None:
+        self._ends.append(StepEnd(turn.step.text, FAILED, None, why))
         if turn.step.is_required:
             self.cancel(f"Required action failed: {why}")
         else:

@@ -9,6 +9,7 @@ from functools import partial
 from rtkit.deployment.actions import Action, Result, strict
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.layered_plan import Check, LayeredPlan, PlannedAction, merged
+from rtkit.deployment.plan_watch import BEGUN, DONE, FAILED, HELD, PlanWatch
 from rtkit.deployment.site import UNFINISHED, Careful, Site, at_once
 from rtkit.deployment.traces import traces
 from rtkit.errors import Refused, RtkitError, Unreachable
@@ -36,6 +37,7 @@ class PlanRunner:
         careful: Careful = at_once,
         *,
         is_strict: bool = False,
+        watch: PlanWatch | None = None,
     ) -> None:
         """Carry out plans at `site`.
 
@@ -47,8 +49,10 @@ class PlanRunner:
             taken: Gets what the actions took that were done [s], where the manager reports it.
             careful: Makes the calls; an interruption of the command waits for their end.
             is_strict: Steps that would be done with a note are to fail instead.
+            watch: Receives what becomes of each step; then `progress` is not told of it.
         """
         self._is_strict = is_strict
+        self._watch = watch
         self._site = site
         self._careful = careful
         self._report = report
@@ -92,7 +96,8 @@ class PlanRunner:
         for layer in plan.layers:
             self._count(self._passed, self._known)
             todo = sum(step.action is not None for step in layer.steps)
-            self._progress(f"{layer.name}: {todo} of {len(layer.steps)} to be done")
+            if self._watch is None:
+                self._progress(f"{layer.name}: {todo} of {len(layer.steps)} to be done")
             for steps in [[step] for step in layer.steps] if layer.is_ordered else [layer.steps]:
                 self._run_at_once(steps)
             self._passed += len(layer.steps)
@@ -102,21 +107,37 @@ class PlanRunner:
         for step in steps:
             if step.blocked:
                 self._failed([step], step.blocked)
+            elif step.holds:
+                self._note(step, HELD)
         sent = merged(steps)
+        for step in (step for _, together in sent for step in together):
+            self._note(step, BEGUN)
         failures = []
         for (_, together), result in zip(sent, self._send([a for a, _ in sent]), strict=True):
             if result.ok:
                 self.done += together
                 for step in together:
-                    self._progress(f"done: {step.text}")
+                    self._note(step, DONE, result.took_s)
             elif any(step.is_required for step in together):
                 self.failed += together
                 failures.append(together[0].failure_text(result.why))
+                for step in together:
+                    self._note(step, FAILED, why=result.why)
             else:
                 self._failed(together, together[0].failure_text(result.why))
         self._refuse(failures)
 
+    def _note(
+        self, step: PlannedAction, state: str, took_s: float | None = None, why: str = ""
+    ) -> None:
+        if self._watch is not None:
+            self._watch.step(step.text, state, took_s, why)
+        elif state == DONE:
+            self._progress(f"done: {step.text}")
+
     def _failed(self, steps: Sequence[PlannedAction], why: str) -> None:
+        for step in steps:
+            self._note(step, FAILED, why=why)
         if any(step.is_required for step in steps):
             self.failed += steps
             raise Refused(f"Required action failed: {why}")

@@ -7,13 +7,13 @@ loses no answer. Where states count, a subscription to the manager receives thei
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from threading import Event, Lock, Thread
 from time import monotonic
 
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.execution import StartExecution
 from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.plan_watch import BEGUN, PlanWatch
 from rtkit.deployment.runner import Count, Talk
 from rtkit.deployment.start_schedule import ScheduledAction, StartPlan, look
 from rtkit.errors import Refused, RtkitError, Unreachable
@@ -38,6 +38,7 @@ class Starter:
         timeout_s: float | None = None,
         count: Count = lambda _done, _known: None,
         taken: list[tuple[Action, float]] | None = None,
+        watch: PlanWatch | None = None,
     ) -> None:
         """Prepare to carry out `plan`.
 
@@ -49,10 +50,12 @@ class Starter:
             timeout_s: Bound on the whole [s]; None for none.
             count: Receives how many actions are done, and how many there are.
             taken: Gets what the actions took that were done [s], where the manager reports it.
+            watch: Receives what becomes of each step; `announce` nothing then.
         """
         self._tree = tree
         self._announce = announce
         self._report = report
+        self._watch = watch
         self._count = count
         self._reported: set[str] = set()
         self._execution = StartExecution(plan, monotonic(), timeout_s, tree.timeout_s)
@@ -101,7 +104,7 @@ class Starter:
         watched = execution.watched
         self._look(watched)
         begun = execution.ready(monotonic())
-        self._report_new(execution.reports())
+        self._report_new()
         all_turns = len(execution.plan.turns)
         self._count(all_turns - len(execution.waiting) - len(execution.running), all_turns)
         for turn in begun:
@@ -149,7 +152,10 @@ class Starter:
             self._wakeup.ring()
             is_sent.set()
 
-        self._announce(f"Executing {turn.step.line}")
+        if self._watch is not None:
+            self._watch.step(turn.step.text, BEGUN)
+        else:
+            self._announce(f"Executing {turn.step.line}")
         Thread(target=work, daemon=True).start()
         is_sent.wait()
 
@@ -176,7 +182,7 @@ class Starter:
                 self._execution.answered(turn, outcome, monotonic())
             else:
                 failure = failure or outcome
-        self._report_new(self._execution.reports())
+        self._report_new()
         return failure
 
     def _settle(self) -> str:
@@ -199,8 +205,11 @@ class Starter:
             if turns
         )
 
-    def _report_new(self, reports: Iterable[str]) -> None:
-        for text in reports:
+    def _report_new(self) -> None:
+        for end in self._execution.ends():
+            if self._watch is not None:
+                self._watch.step(*end)
+        for text in self._execution.reports():
             if text not in self._reported:
                 self._reported.add(text)
                 self._report(text)

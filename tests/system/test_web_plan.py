@@ -76,9 +76,10 @@ def ended(stream: Stream, id: str) -> Any:
     return job
 
 
-def told(client: WebClient, id: str) -> list[str]:
+def told(client: WebClient, id: str, state: str) -> list[str]:
+    """Return the texts of the steps that came to a state."""
     rows = client.ask("GET", f"/api/jobs/{id}").body["rows"]
-    return [row["stderr"] for row in rows if "stderr" in row]
+    return [row["text"] for row in rows if row.get("state") == state]
 
 
 def snapshot(shell: Shell) -> str:
@@ -90,13 +91,15 @@ def test_a_restore_is_that_of_rtresurrect(robot: tuple[Shell, str]) -> None:
     shell, file = robot
     with served(shell, f"--root {Path(file).parent}") as client, client.stream() as stream:
         plan = client.post("/api/plans/show", {"do": "restore", "file": file})
-        lines = [f"{s['text']}{' (Required)' if s['required'] else ''}" for s in plan["steps"]]
+        parts = [*plan["checks"], *plan["steps"]]
+        lines = [f"{s['text']}{' (Required)' if s['required'] else ''}" for s in parts]
+        assert plan["cost"] == sum(each["cost"] for each in plan["steps"])
         assert lines == shell.ok(f"rtresurrect --dry-run {file}").splitlines()
         job = ended(stream, started(client, do="restore", file=file))
         assert (job["status"], job["error"]) == (0, "")
         assert "Restore robot.yaml" in job["text"]
         by_page = snapshot(shell)
-        done = [line for line in told(client, job["id"]) if line.startswith("done: Create")]
+        done = [text for text in told(client, job["id"], "done") if text.startswith("Create")]
         assert len(done) == 3
         taken = started(client, do="take_down", file=file, flags=["exit"])
         assert ended(stream, taken)["status"] == 0
@@ -137,12 +140,14 @@ def test_what_fails_midway_is_told_and_goes_on_when_tried_again(robot: tuple[She
         assert job["status"] == 1
         assert "in a bad mood" in job["error"]
         assert "left; run it again to go on" in job["error"]
-        assert any("create Moody0" in line for line in told(client, job["id"]))
+        assert any("create Moody0" in text for text in told(client, job["id"], "done"))
+        (failed,) = told(client, job["id"], "failed")
+        assert "activate Moody0" in failed
         state_file(shell, "bad").unlink()
         shell.run("rtreset /localhost/Moody0.rtc")
         again = ended(stream, started(client, **request))
         assert (again["status"], again["error"]) == (0, "")
-        assert not any("create" in line for line in told(client, again["id"]))
+        assert not any("create" in text for text in told(client, again["id"], "done"))
     assert shell.run(f"rtcheck {file}").status == 0
 
 
@@ -246,6 +251,7 @@ def test_a_plan_is_shown_then_done_and_all_pages_see_it(
         state_file(shell, "bad").unlink()
         shell.run("rtreset /localhost/Moody0.rtc")
         page.press("Retry what failed")
+        page.wait_for("document.querySelector('.plans-main .step-state.is-done') !== null")
         page.wait_for(
             "document.querySelector('.plans-main .step-state.is-done') !== null"
             " && document.querySelector('.trouble') === null"

@@ -3,55 +3,59 @@ import { describe, expect, it } from 'vitest';
 import { moved, stepOf, stepText } from '../src/rooms/plan/order';
 import { placeOf, textOf } from '../src/rooms/plan/place';
 import { progressOf, toldBy } from '../src/rooms/plan/progress';
-import type { Plan } from '../src/rooms/plan/types';
+import type { JobRow } from '../src/model/types';
+import type { Plan, PlanStep } from '../src/rooms/plan/types';
 
-const plan = (...texts: string[]): Plan => ({
-  steps: texts.map((text, index) => ({ number: index + 1, text, kind: 'step', layer: index + 1 })), command: 'rtapply', look: 'rtplan', text: 'Apply a.yaml', notes: [],
-});
+const step = (number: number, text: string): PlanStep => ({ number, text, kind: 'create', layer: number, subject: 'A', cost: 1, cost_from: 'table', change: '' });
+const plan = (...texts: string[]): Plan => ({ steps: texts.map((text, index) => step(index + 1, text)), cost: texts.length, command: 'rtapply', look: 'rtplan', text: 'Apply a.yaml', notes: [] });
+const about = (made: Plan) => ({ plan: made, request: { do: 'apply', file: '/a.yaml', flags: [] } });
+const planned = (made: Plan, reason?: string) => ({ schema: 'rtkit.plan/1', steps: made.steps, ...(reason && { reason }) });
+const told = (number: number, state: string, why = '', took: number | null = null) => ({ schema: 'rtkit.step/1', number, state, why, took_s: took });
 const job = (status: number | null, error = '') => ({ status, error, text: 'Apply a.yaml' });
+const states = (rows: JobRow[], status: number | null, error = '') => progressOf(toldBy(rows).parts, job(status, error)).parts.map(({ news }) => [...news.values()].map(({ state }) => state));
 
 describe('how far a plan is', () => {
-  it('is told step by step, and what held already took none', () => {
-    const made = plan('create A on manager', 'set A.gain=1', 'activate A');
-    const lines = ['[1/3] create A on manager'];
-    expect([...progressOf(made, lines, job(null)).states.values()]).toEqual(['done', 'waiting', 'waiting']);
-    const over = progressOf(made, [...lines, '[3/3] activate A'], job(0));
-    expect([...over.states.values()]).toEqual(['done', 'held', 'done']);
-    expect([over.done, over.trouble]).toEqual([3, null]);
+  const made = plan('create A', 'set A.gain=1', 'activate A');
+
+  it('is told step by step, and what nothing was told of held already when all is done', () => {
+    const rows = [about(made), planned(made), told(1, 'begun'), told(1, 'done', '', 0.25), told(3, 'begun')];
+    expect(states(rows, null)).toEqual([['done', 'waiting', 'begun']]);
+    expect(states(rows, 0)).toEqual([['done', 'held', 'done']]);
+    const { parts, done, all, trouble } = progressOf(toldBy(rows).parts, job(0));
+    expect([done, all, trouble, parts[0]?.news.get(1)?.tookS]).toEqual([3, 3, null, 0.25]);
   });
 
-  it('knows what a start has begun', () => {
-    const text = '{1} Activate /localhost/A.rtc in execution context 0';
-    const line = `Executing ${text} (Required)`;
-    expect([...progressOf(plan(text), [line], job(null)).states.values()]).toEqual(['begun']);
-    expect([...progressOf(plan(text), [line], job(0)).states.values()]).toEqual(['done']);
+  it('is one tree of errors when it fails: each step with its cause, what the command said, what is left', () => {
+    const error = 'note: x\nset A.gain=1: no such parameter; 2 steps left';
+    const rows = [about(made), planned(made), told(1, 'done'), told(2, 'begun'), told(2, 'failed', 'no such parameter')];
+    expect(states(rows, 1, error)).toEqual([['done', 'failed', 'left']]);
+    expect(progressOf(toldBy(rows).parts, job(1, error)).trouble).toEqual({ text: 'Apply a.yaml', below: [
+      { text: 'set A.gain=1', below: [{ text: 'no such parameter', below: [] }] },
+      { text: '2 steps left', below: [] },
+      { text: '', left: 1, below: [{ text: 'activate A', below: [] }] },
+    ] });
   });
 
-  it('is one tree of errors when it fails: the causes, and what is left', () => {
-    const error = 'Required action failed: /localhost/A.rtc: in a bad mood; 2 steps left; run it again to go on';
-    const lines = ['[1/3] create A on manager', 'left: 2 steps, cost 2 (optimal)', '1  activate A  1  A inactive -> active', '2  activate B  1', 'kept: 1 manager', error];
-    const { trouble, states } = progressOf(plan('create A on manager', 'activate A', 'activate B'), lines, job(1, error));
-    expect([...states.values()]).toEqual(['done', 'left', 'left']);
-    expect(progressOf(plan('set A.gain=1', 'activate A', 'activate B'), [...lines.slice(1, -1), 'activate A: in a bad mood; 2 steps left'], job(1)).states)
-      .toEqual(new Map([[1, 'held'], [2, 'failed'], [3, 'left']]));
-    expect(trouble?.text).toBe('Apply a.yaml');
-    const [cause] = trouble?.below ?? [];
-    expect(cause?.text).toBe('/localhost/A.rtc: in a bad mood');
-    expect(cause?.below.map((one) => one.text)).toEqual(['2 steps left', 'run it again to go on']);
-    expect(cause?.below[0]?.below.map((one) => one.text)).toEqual(['activate A', 'activate B']);
+  it('tells what the command said when it fails before any step', () => {
+    expect(progressOf(toldBy([about(made)]).parts, job(1, 'a\nb')).trouble?.below.map(({ text }) => text)).toEqual(['a', 'b', '']);
   });
 
-  it('marks the step that failed where the error names its parts', () => {
-    const step = '{1} Activate /localhost/A.rtc in execution context 0';
-    const error = 'Required action failed: Activate failed: /localhost/A.rtc';
-    expect(progressOf(plan(step, step.replace('A.rtc', 'B.rtc')), [error], job(1, error)).states.get(1)).toBe('failed');
+  it('tells what failed though the rest was done', () => {
+    expect(progressOf(toldBy([about(made), told(1, 'failed', 'gone'), told(2, 'done'), told(3, 'done')]).parts, job(0)).trouble?.below).toHaveLength(1);
   });
 
-  it('comes with the plan and the request for pages that open later', () => {
-    const first = { plan: plan('a'), request: { do: 'apply', file: '/a.yaml', flags: [] } };
-    const told = toldBy([first, { stderr: 'x' }, { text: 'y' }]);
-    expect([told.plan, told.request, told.lines]).toEqual([first.plan, first.request, ['x']]);
-    expect(toldBy([])).toEqual({ plan: null, request: null, lines: [] });
+  it('has a part for each time that it was planned anew', () => {
+    const back = plan('delete A');
+    const rows = [about(made), planned(made), told(1, 'done'), told(2, 'failed', 'no'), planned(back, 'way back'), told(1, 'done')];
+    expect(toldBy(rows).parts.map(({ reason }) => reason)).toEqual(['', 'way back']);
+    expect(states(rows, 1)).toEqual([['done', 'failed', 'left'], ['done']]);
+  });
+
+  it('comes with the plan, the request and notes for pages that open later', () => {
+    const first = about(made);
+    const { plan: known, request, notes } = toldBy([first, { stderr: 'x' }, { text: 'y' }]);
+    expect([known, request, notes]).toEqual([first.plan, first.request, ['x']]);
+    expect(toldBy([])).toMatchObject({ plan: null, request: null, notes: [] });
   });
 });
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from rtkit.deployment.facts import ComponentFacts
+    from rtkit.deployment.plan_watch import PlanWatch
     from rtkit.rtc.manager_address import Address
     from rtkit.rtc.names import Path
     from rtkit.settings.layer_file import SettingsFile
@@ -47,6 +48,7 @@ class App:
         command: The subcommand that is run, once that is known.
         layers: Files of settings; None in a function, for which only its arguments count.
         given: Settings of those files that count, by key.
+        watch: Receives plans and what becomes of their steps, as records; None for lines.
         write_error: Writes one line on stderr.
         needs_reader: Whether it ends when nobody reads its stdout any more.
     """
@@ -56,6 +58,7 @@ class App:
         self.timeout_s = DEFAULT_TIMEOUT_S
         self.is_verbose = False
         self.is_strict = False
+        self.watch: PlanWatch | None = None
         self.form: str | None = None
         self.has_exit_detail = _is_set("RTKIT_EXIT_DETAIL")
         self.layers: Layers | None = None

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         ("rtapply --rollback robot.xml", "Come back to what was before if a step fails."),
         ("rtapply -s inactive --parallel 4 robot.xml", "Activate nothing, at most four at once."),
     ),
+    json=("plan", "step"),
 )
 def main(
     app: App,
@@ -40,6 +41,7 @@ def main(
     ),
     wait_s: float = shared.WAIT,
     aim: GoalOptions = AIM,
+    is_json: bool = shared.PLAN_JSON,
     dry_run: bool = shared.DRY_RUN,
     asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> int:
@@ -70,8 +72,9 @@ def main(
     """
     from rtkit.api import planning
     from rtkit.api.plan import carry_out
-    from rtkit.deployment.planning.rendering import lines
+    from rtkit.deployment.planning.rendering import as_plain, lines
 
+    shared.watch(app, is_json=is_json)
     source, data = read_data(asked.files)
     is_saved = is_saved_plan(data)
     lock = None if dry_run else shared.locks(app, asked.files, wait_s)
@@ -89,6 +92,9 @@ def main(
         prepared = planning.prepare(
             app, document, aim, is_dry=dry_run, parallel=parallel or 0, lock=lock
         )
+    if dry_run and app.watch is not None:
+        app.watch.plan(as_plain(prepared.plan, prepared.goal.costs))
+        return 0
     if dry_run:
         away = prepared.snapshot.unreachable
         terminal.write(map(terminal.printable, lines(prepared.plan, prepared.goal.costs, away)))

@@ -17,6 +17,7 @@ from rtkit.errors import UsageProblem
         ("rtresurrect --dry-run robot.xml", "Tell what would be done."),
         ("rtresurrect --stand-in robot.xml", "Without the modules: stand-ins for components."),
     ),
+    json=("plan", "step"),
 )
 def main(
     app: App,
@@ -30,6 +31,7 @@ def main(
         "Ends of connectors must tell the path of their component, where they tell one.",
     ),
     wait_s: float = shared.WAIT,
+    is_json: bool = shared.PLAN_JSON,
     dry_run: bool = shared.DRY_RUN,
     asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> None:
@@ -48,6 +50,7 @@ def main(
 
     if no_create and (stand_in or transmit):
         raise UsageProblem("--no-create makes no stand-ins")
+    shared.watch(app, is_json=is_json)
     document = read_document(app, asked.files, asked.mapped)
     if strict_path:
         from rtkit.deployment.place import check_paths
@@ -63,5 +66,5 @@ def main(
         is_dry=dry_run,
         lock=None if dry_run else shared.locks(app, asked.files, wait_s),
     )
-    for plan in plans:
+    for plan in () if is_json else plans:
         shared.show(plan)

@@ -18,11 +18,13 @@ from rtkit.cli.system.document import read_document
         ("rtstart --dry-run robot.xml", "Tell in which order, and what each waits for."),
         ("rtstart --plan robot.xml > robot.dot", "The same as a graph, for Graphviz."),
     ),
+    json=("plan", "step"),
 )
 def main(
     app: App,
     no_wait: bool = starting.no_wait_flag("active"),
     draws: bool = starting.PLAN,
+    is_json: bool = shared.PLAN_JSON,
     dry_run: bool = shared.DRY_RUN,
     asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> None:
@@ -36,6 +38,7 @@ def main(
     --timeout bounds a plan with such conditions as a whole. Without it the plan ends when nothing
     has happened for 10 s after the last time that it names.
     """
+    shared.watch(app, is_json=is_json)
     document = read_document(app, asked.files, asked.mapped)
     plan_for = start_plan_of(document, wait=not no_wait)
     is_followed = not (dry_run or draws) and states.is_follow_wanted(app, document)

@@ -16,11 +16,13 @@ from rtkit.cli.system.document import read_document
         ("rtstop robot.xml", "Deactivate them in reverse order."),
         ("rtstop --dry-run robot.xml", "Tell in which order."),
     ),
+    json=("plan", "step"),
 )
 def main(
     app: App,
     no_wait: bool = starting.no_wait_flag("inactive"),
     draws: bool = starting.PLAN,
+    is_json: bool = shared.PLAN_JSON,
     dry_run: bool = shared.DRY_RUN,
     asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> None:
@@ -34,6 +36,7 @@ def main(
     --timeout bounds a plan with conditions as a whole. Without it the plan ends when nothing has
     happened for 10 s after the last time that it names.
     """
+    shared.watch(app, is_json=is_json)
     document = read_document(app, asked.files, asked.mapped)
     starting.run(
         app,

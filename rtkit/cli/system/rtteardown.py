@@ -18,6 +18,7 @@ from rtkit.errors import UsageProblem
         ("rtteardown --exit robot.xml", "End its components too."),
         ("rtteardown --exit --uninstall robot.xml", "And remove what rtapply installed."),
     ),
+    json=("plan", "step"),
 )
 def main(
     app: App,
@@ -25,6 +26,7 @@ def main(
     uninstalls: bool = flag(
         "--uninstall", "With --exit, also packages that plans installed for it alone."
     ),
+    is_json: bool = shared.PLAN_JSON,
     dry_run: bool = shared.DRY_RUN,
     asked: shared.DocumentOptions = together(shared.DocumentOptions),
 ) -> None:
@@ -36,12 +38,13 @@ def main(
     """
     from rtkit.api.starting import teardown
 
+    shared.watch(app, is_json=is_json)
     document = read_document(app, asked.files, asked.mapped)
     if uninstalls and not ends:
         raise UsageProblem("--uninstall goes with --exit: what lives needs its package")
     plan, more = teardown(
         app, document, ends_components=ends, uninstalls=uninstalls, is_dry=dry_run
     )
-    if dry_run:
+    if dry_run and not is_json:
         shared.show(plan)
         terminal.write(more)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
@@ -10,6 +11,7 @@ from rtkit.cli.shared.app import App
 from rtkit.cli.shared.options import (
     arguments,
     flag,
+    json_flag,
     option,
     setting,
     several,
@@ -17,6 +19,7 @@ from rtkit.cli.shared.options import (
     together,
 )
 from rtkit.cli.shared.system_values import PARAMETERS
+from rtkit.errors import Refused
 
 if TYPE_CHECKING:
     from rtkit.deployment.layered_plan import LayeredPlan
@@ -43,6 +46,7 @@ def form_options(verb: str, default: str, *forms: str) -> Any:
 
 READ_FORMS = form_options("Read", "; without -x and -y, as name and content say", "xml", "yaml")
 DRY_RUN = flag("--dry-run", "Print what would be done, and do nothing.")
+PLAN_JSON = json_flag("The plan, then what becomes of each step, as JSON objects on stdout.")
 WAIT = option(
     "--wait SECONDS",
     "Wait so long for another rtapply, rtresurrect or rtstate at work (default 0).",
@@ -79,6 +83,25 @@ def locks(app: App, files: tuple[str, ...], wait_s: float) -> PlanLocks:
     made = PlanLocks(" ".join([app.name, *files]), wait_s, app.report if wait_s else app.verbose)
     click.get_current_context().call_on_close(made.close)
     return made
+
+
+def watch(app: App, *, is_json: bool) -> None:
+    """Have plans and what becomes of their steps told as JSON, each record at once, if asked."""
+    if is_json:
+        from rtkit.deployment.plan_watch import PlanWatch
+
+        app.watch = PlanWatch(_write_record)
+
+
+def _write_record(kind: str, fields: Mapping[str, Any]) -> None:
+    """Write a record; where nobody reads any more, the plan ends as after a failure."""
+    from rtkit.cli.shared import console_process, json_records, terminal
+
+    try:
+        terminal.write_now([json_records.line(kind, fields)])
+    except BrokenPipeError:
+        console_process.leave_pipe()
+        raise Refused("nobody reads what --json tells") from None
 
 
 def show(plan: LayeredPlan | StartPlan) -> None:

@@ -11,6 +11,7 @@ from rtkit.api import looking, starting
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.options import flag
 from rtkit.cli.system import shared
+from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.api.system_profiles import SystemProfile
@@ -43,6 +44,8 @@ def run(
         Refused: It was broken off; the message tells how far it went.
         KeyboardInterrupt: Interrupted; its text tells how far it went.
     """
+    if draws and app.watch is not None:
+        raise UsageProblem("--json and --plan exclude each other")
     nothing = looking.nothing(app.usual_manager) if draws else None
     inputs = starting.prepare(app, document, plan_for, nothing, is_dry=dry_run, may_lack=may_lack)
     if draws:
@@ -50,7 +53,8 @@ def run(
 
         click.echo("\n".join(to_dot(inputs.plan)))
     elif dry_run:
-        shared.show(inputs.plan)
+        if app.watch is None:
+            shared.show(inputs.plan)
     else:
         source = click.get_current_context().get_parameter_source("timeout")
         is_bounded = source is ParameterSource.COMMANDLINE

@@ -36,8 +36,8 @@ class _Deed(NamedTuple):
     """One way to deal with a system profile.
 
     Attributes:
-        line: The command that does it, and tells each step when it is done.
-        looks: The command that plans it.
+        line: The command that does it; with `_JSON` it tells what becomes of each step.
+        looks: The command that plans it; with `_JSON` it tells the plan.
         text: What it does, as a sentence about a profile.
         flags: Options without a value that it has.
     """
@@ -51,21 +51,21 @@ class _Deed(NamedTuple):
 _MAKING = ("stand-in", "transmit")
 DOES: Mapping[str, _Deed] = {
     "apply": _Deed(
-        ("rtapply",), ("rtplan", "--json"), "Apply {}",
+        ("rtapply",), ("rtplan",), "Apply {}",
         ("replace", "prune", "rollback", *_MAKING),
     ),
     "restore": _Deed(
-        ("rtresurrect", "-v"), ("rtresurrect", "--dry-run"), "Restore {}",
+        ("rtresurrect",), ("rtresurrect", "--dry-run"), "Restore {}",
         ("no-create", "strict-path", *_MAKING),
     ),
     "start": _Deed(("rtstart",), ("rtstart", "--dry-run"), "Start {}", ()),
     "stop": _Deed(("rtstop",), ("rtstop", "--dry-run"), "Stop {}", ()),
     "take_down": _Deed(
-        ("rtteardown", "-v"), ("rtteardown", "--dry-run"), "Take down {}", ("exit", "uninstall"),
+        ("rtteardown",), ("rtteardown", "--dry-run"), "Take down {}", ("exit", "uninstall"),
     ),
 }  # fmt: skip
 _STATES = ("active", "inactive", "any")
-_REQUIRED = " (Required)"
+_JSON = "--json"
 _ONLY_DONE = ("--rollback",)
 """Options that a look does not have."""
 
@@ -161,14 +161,11 @@ async def plan_of(request: PlanRequest, given: bytes | None) -> Record:
         Refused: There is none; says why.
         Unreachable: That took too long.
     """
-    outcome = await outcome_of(request.look, given)
+    outcome = await outcome_of(_as_json(request.look), given)
     if outcome.status:
         raise Refused(outcome.error or f"{request.look[0]} failed")
-    is_json = "--json" in request.deed.looks
-    found = json.loads(outcome.out) if is_json else {"steps": _steps(outcome.out)}
-    found.pop("schema", None)
     return {
-        **found,
+        **_joined([json.loads(line) for line in outcome.out.splitlines()]),
         "command": request.typed(request.line),
         "look": request.typed(request.look),
         "text": request.text,
@@ -176,16 +173,20 @@ async def plan_of(request: PlanRequest, given: bytes | None) -> Record:
     }
 
 
-def _steps(lines: str) -> list[Record]:
-    return [
-        {
-            "number": number,
-            "kind": "check" if line.startswith("Check ") else "step",
-            "text": line.removesuffix(_REQUIRED),
-            "required": line.endswith(_REQUIRED),
-        }
-        for number, line in enumerate(lines.splitlines(), 1)
-    ]
+def _as_json(line: Sequence[str]) -> tuple[str, ...]:
+    return (line[0], _JSON, *line[1:])
+
+
+def _joined(plans: Sequence[Record]) -> Record:
+    """Return plans that are carried out one after the other as one."""
+    found = {key: value for key, value in plans[0].items() if key != "schema"}
+    for plan in plans[1:]:
+        layers = max((step["layer"] for step in found["steps"]), default=0)
+        found["steps"] += [
+            {**step, "number": number, "layer": step["layer"] + layers}
+            for number, step in enumerate(plan["steps"], len(found["steps"]) + 1)
+        ]
+    return found
 
 
 def routes(site: WebSite) -> list[Route]:
@@ -208,7 +209,7 @@ def routes(site: WebSite) -> list[Route]:
         job = await site.jobs.start(
             KIND,
             asked.text,
-            asked.line,
+            _as_json(asked.line),
             typed=asked.typed(asked.line),
             about={"plan": plan, "request": request_again},
             given=given,

@@ -73,6 +73,7 @@ ELSEWHERE = {
     "log-record": "system/test_observers.py",
     "package": "system/test_package_repositories.py",
     "plan": "unit/cli/test_planning.py",
+    "step": "unit/cli/test_planning.py",
     "replay": "unit/cli/test_rtmgr_replay.py",
     "schema-file": "unit/cli/test_profile_schema.py",
     "setting": "unit/cli/test_rtconfig.py",
@@ -86,9 +87,8 @@ ELSEWHERE = {
 """Kinds that other tests hold against their schemas."""
 
 WITHOUT = {
-    "rtact", "rtapply", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdis", "rtexit",
-    "rtinject", "rtmove", "rtproxy", "rtreset", "rtresurrect", "rtserve", "rtset",
-    "rtstart", "rtstop", "rtteardown",  # change, and tell nothing
+    "rtact", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdis", "rtexit",
+    "rtinject", "rtmove", "rtproxy", "rtreset", "rtserve", "rtset",  # change, and tell nothing
     "rtcwd",  # prints what a shell is to evaluate
     "rthost", "rtkeys", "rtpkg", "rtprofile",  # their words have it
     "rtdoc", "rtstodot",  # write documents of other forms

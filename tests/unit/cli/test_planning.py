@@ -14,7 +14,7 @@ import rts_text
 from fake_tree import fake_tree
 from worlds import source_and_sink
 
-from rtkit.cli.system import rtapply, rtplan, rtresurrect
+from rtkit.cli.system import rtapply, rtplan, rtresurrect, rtstart, rtstop, rtteardown
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.planning.step_costs import (
@@ -73,7 +73,8 @@ class Console:
 
     def run(self, line: str, file: Path | None = None) -> tuple[int, str, str]:
         name, *options = shlex.split(line)
-        main = {"rtplan": rtplan, "rtapply": rtapply, "rtresurrect": rtresurrect}[name].main
+        commands = (rtplan, rtapply, rtresurrect, rtstart, rtstop, rtteardown)
+        main = {each.main.name: each.main for each in commands}[name]
         status = main([*options, str(file or self._file)], tree=fake_tree(self.world))
         told = self._capsys.readouterr()
         return status, told.out, told.err
@@ -330,6 +331,86 @@ def test_json_tells_what_must_be_done_before(console):
     assert [step["layer"] for step in record["steps"]] == [1, 1, 2, 2, 2, 2, 2, 3, 3]
     assert record["steps"][6]["after"] == [1, 2]
     assert record["steps"][2]["subject"] == "Source0.default.gain"
+
+
+def told(out: str) -> tuple[list[str], list[tuple[int, str]]]:
+    """Return the steps of the plan that comes first, and what became of which."""
+    plan, *steps = jsonrecords.checked(out)
+    assert plan["schema"] == "rtkit.plan/1"
+    assert {each["schema"] for each in steps} == {"rtkit.step/1"}
+    texts = [each["text"] for each in plan["steps"]]
+    assert all(texts[each["number"] - 1] == each["text"] for each in steps)
+    return texts, [(each["number"], each["state"]) for each in steps]
+
+
+def test_apply_tells_each_step_as_json(console):
+    perform = console.world.perform
+    console.world.perform = lambda action: replace(perform(action), took_s=0.5)
+    shown = jsonrecords.checked(console.run("rtapply --dry-run --json")[1])
+    assert shown == jsonrecords.checked(console.run("rtplan --json")[1])
+    status, out, err = console.run("rtapply --json")
+    assert (status, err) == (0, "")
+    texts, steps = told(out)
+    assert texts == [each["text"] for each in shown[0]["steps"]]
+    for number, text in enumerate(texts, 1):
+        is_made = "=1" in text  # what is created has these values already
+        states = ["held"] if is_made else ["begun", "done"]
+        assert [state for n, state in steps if n == number] == states
+    assert {each["took_s"] for each in jsonrecords.checked(out)[1:]} == {None, 0.5, 1.0}
+    assert [each["steps"] for each in jsonrecords.checked(console.run("rtapply --json")[1])] == [[]]
+
+
+def test_apply_tells_what_failed_and_the_way_back_as_json(console):
+    no = Result(ReturnCode.ERROR, "refused", "no luck")
+    perform = console.world.perform
+    console.world.perform = lambda a: no if isinstance(a, act.Connect) else perform(a)
+    status, out, err = console.run("rtapply --rollback --json")
+    assert status == 1
+    assert "everything is as it was before" in err
+    plan, *steps = jsonrecords.checked(out)
+    (failed,) = [each for each in steps if each.get("state") == "failed"]
+    assert (failed["kind"], failed["subject"], failed["why"]) == ("connect", "wire", "no luck")
+    (back,) = [each for each in steps if each["schema"] == "rtkit.plan/1"]
+    assert back["reason"] == "way back"
+    done = [each["text"] for each in steps[steps.index(back) + 1 :] if each["state"] == "done"]
+    assert sorted(done) == sorted(each["text"] for each in back["steps"])
+
+
+@pytest.mark.parametrize("verb", ["rtresurrect", "rtstart", "rtstop", "rtteardown --exit"])
+def test_other_plans_are_told_as_json_as_a_dry_run_shows_them(console, verb):
+    assert console.run("rtapply")[0] == 0
+    if verb == "rtresurrect":
+        assert console.run("rtteardown --exit")[0] == 0
+    lines = console.run(f"{verb} --dry-run")[1].splitlines()
+    (plan,) = jsonrecords.checked(console.run(f"{verb} --dry-run --json")[1])
+    shown = [f"{e['text']}{' (Required)' if e['required'] else ''}" for e in plan["steps"]]
+    checks = [f"{e['text']}{' (Required)' if e['required'] else ''}" for e in plan["checks"]]
+    assert sorted(checks + shown) == sorted(lines)
+    assert plan["cost"] == sum(each["cost"] for each in plan["steps"]) > 0
+    layers = [each["layer"] for each in plan["steps"]]
+    assert layers == sorted(layers)
+    status, out, err = console.run(f"{verb} --json")
+    assert (status, err) == (0, "")
+    texts, steps = told(out)
+    assert texts == [each["text"] for each in plan["steps"]]
+    held = {each["number"] for each in plan["steps"] if each["holds"]}
+    # What is created has most values already.
+    done = {n for n, state in steps if state == "done"}
+    assert {each["number"] for each in plan["steps"] if each["kind"] != "configure"} - held <= done
+    assert {n for n, state in steps if state == "held"} == set(range(1, len(texts) + 1)) - done
+    assert not held & done
+
+
+def test_what_fails_in_a_restore_is_told_with_its_reason_as_json(console):
+    no = Result(ReturnCode.ERROR, "refused", "no luck")
+    perform = console.world.perform
+    console.world.perform = lambda a: no if isinstance(a, act.Connect) else perform(a)
+    status, out, err = console.run("rtresurrect --json")
+    assert status == 1
+    assert "removed again: " in err
+    (failed,) = [e for e in jsonrecords.checked(out) if e.get("state") == "failed"]
+    assert (failed["kind"], failed["why"]) == ("connect", "no luck")
+    assert console.run("rtstart --plan --json")[0] == 2
 
 
 def test_dot_is_a_graph(console):

@@ -5,7 +5,7 @@ import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
 import { HostTable, type Mapping } from './HostTable';
 import type { Place } from './place';
-import { CommandLine, StepTable } from './StepTable';
+import { CheckList, CommandLine, StepTable } from './StepTable';
 import { DEEDS, FLAGS, STATES, type Deed, type Flag, type Plan, type PlanRequest } from './types';
 import { useProfile } from './useProfile';
 import type { PlanTexts } from './usePlanTexts';
@@ -84,10 +84,11 @@ export function DoPanel({ texts, file, onGo }: { texts: PlanTexts; file: string;
           <Head texts={texts} plan={shown.plan} />
           <CommandLine texts={texts} command={shown.plan.command} />
           {shown.plan.notes.length > 0 && <ul className="warning">{shown.plan.notes.map((note) => <li key={note}>{note}</li>)}</ul>}
-          {shown.plan.steps.length > 0 && (
+          {shown.plan.steps.some((step) => !step.holds) && (
             <button type="button" className={deed === 'take_down' ? 'danger filled' : 'primary'} disabled={!canChange || isBusy} onClick={() => void start(shown)}>{texts.go(texts.deeds[deed])}</button>
           )}
-          <StepTable texts={texts} plan={shown.plan} states={null} />
+          <CheckList texts={texts} checks={shown.plan.checks ?? []} />
+          <StepTable texts={texts} steps={shown.plan.steps} news={null} />
         </section>
       )}
     </>
@@ -96,9 +97,9 @@ export function DoPanel({ texts, file, onGo }: { texts: PlanTexts; file: string;
 
 /** What a plan comes to. */
 function Head({ texts, plan }: { texts: PlanTexts; plan: Plan }) {
-  const { steps, cost, gap = 0, kept } = plan;
-  if (!steps.length) return <p>{texts.nothing}</p>;
-  const count = steps.filter((step) => step.kind !== 'check').length;
-  const parts = [texts.steps(count), ...(cost === undefined ? [] : [texts.cost(cost), gap ? texts.gap(gap) : texts.optimal])];
+  const { steps, cost, optimal, gap = 0, kept } = plan;
+  const count = steps.filter((step) => !step.holds).length;
+  if (!count) return <p>{texts.nothing}</p>;
+  const parts = [texts.steps(count), texts.cost(cost), ...(optimal === undefined ? [] : [gap ? texts.gap(gap) : texts.optimal])];
   return <p><strong>{parts.join(' · ')}</strong>{kept && <span className="note"> {texts.kept(kept.managers, kept.components, kept.connections)}</span>}</p>;
 }

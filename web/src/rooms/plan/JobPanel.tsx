@@ -1,4 +1,4 @@
-import { useMemo, useState } from 'react';
+import { Fragment, useMemo, useState } from 'react';
 
 import type { Job } from '../../model/types';
 import { sentence } from '../../server/api';
@@ -14,7 +14,7 @@ import type { PlanTexts } from './usePlanTexts';
 export function JobPanel({ texts, job, onGo }: { texts: PlanTexts; job: Job; onGo: (to: Partial<Place>) => void }) {
   const { api, canChange } = useEditor();
   const { rows, error } = useJobRows(job.id);
-  const { plan, request, lines } = useMemo(() => toldBy(rows), [rows]);
+  const { plan, request, parts: told, notes } = useMemo(() => toldBy(rows), [rows]);
   const [said, setSaid] = useState('');
   const post = (path: string, body: object, take: (answer: Job) => void) => void api.post<Job>(path, body).then(take, (failure: unknown) => setSaid(sentence(failure)));
   const stop = () => {
@@ -23,29 +23,33 @@ export function JobPanel({ texts, job, onGo }: { texts: PlanTexts; job: Job; onG
   };
   if (error) return <p className="error" role="alert">{error}</p>;
   if (!plan || !request) return <p className="empty">{texts.loading}</p>;
-  const { states, done, trouble, notes } = progressOf(plan, lines, job);
-  const all = states.size - plan.steps.filter((step) => step.kind === 'check').length;
-  const count = Math.max(0, Math.min(all, done - plan.steps.filter((step) => step.kind === 'check' && states.get(step.number) === 'held').length));
+  const { parts, done, all, trouble } = progressOf(told, job);
   const isOver = job.status !== null;
   return (
     <section aria-label={job.text}>
       <div className="row">
         <JobWord texts={texts} job={job} />
-        <progress max={all || 1} value={isOver && job.status === 0 ? all || 1 : count} aria-label={texts.of(count, all)} />
-        <span role="status">{texts.of(count, all)}</span>
+        <progress max={all || 1} value={isOver && job.status === 0 ? all || 1 : done} aria-label={texts.of(done, all)} />
+        <span role="status">{texts.of(done, all)}</span>
         {!isOver && <button type="button" className="danger" disabled={!canChange || said !== ''} onClick={stop}>{texts.stop}</button>}
-        {isOver && job.status !== 0 && <button type="button" className="primary" disabled={!canChange} onClick={() => post('/api/plans/start', request, (next) => onGo({ tab: 'job', of: next.id }))}>{texts.retry}</button>}
+        {trouble && <button type="button" className="primary" title={texts.retryHint} disabled={!canChange} onClick={() => post('/api/plans/start', request, (next) => onGo({ tab: 'job', of: next.id }))}>{texts.retry}</button>}
         {isOver && <button type="button" onClick={() => onGo({ tab: 'do', of: request.file })}>{texts.back}</button>}
         {said && !(isOver && said === texts.stopping) && <span className="note">{said}</span>}
       </div>
       <CommandLine texts={texts} command={job.command} />
-      {trouble && <section className="trouble" role="alert"><h3>{texts.trouble}</h3><ul><Branch trouble={trouble} /></ul></section>}
+      {trouble && <section className="trouble" role="alert"><h3>{texts.trouble}</h3><ul><Branch texts={texts} trouble={trouble} /></ul></section>}
       {notes.length > 0 && <details><summary>{texts.notes}</summary><ul>{notes.map((note, index) => <li key={index}>{note}</li>)}</ul></details>}
-      <StepTable texts={texts} plan={plan} states={states} />
+      {parts.map(({ steps, reason, news }, index) => (
+        <Fragment key={index}>
+          {reason && <h3>{texts.anew(reason)}</h3>}
+          <StepTable texts={texts} steps={steps} news={news} />
+        </Fragment>
+      ))}
     </section>
   );
 }
 
-function Branch({ trouble }: { trouble: Trouble }) {
-  return <li>{trouble.text}{trouble.below.length > 0 && <ul>{trouble.below.map((one, index) => <Branch key={index} trouble={one} />)}</ul>}</li>;
+function Branch({ texts, trouble }: { texts: PlanTexts; trouble: Trouble }) {
+  const { text, left, below } = trouble;
+  return <li>{left === undefined ? text : texts.left(left)}{below.length > 0 && <ul>{below.map((one, index) => <Branch key={index} texts={texts} trouble={one} />)}</ul>}</li>;
 }

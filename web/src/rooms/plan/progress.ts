@@ -1,80 +1,77 @@
 import type { Job, JobRow } from '../../model/types';
-import type { Plan, PlanRequest } from './types';
+import type { Plan, PlanRequest, PlanStep } from './types';
 
 /** `held`: it was so already; `left`: the job ended before it. */
 export type StepState = 'waiting' | 'begun' | 'done' | 'held' | 'failed' | 'left';
 
-/** What went wrong, with what comes of it below. */
-export interface Trouble { text: string; below: Trouble[] }
+/** What became of a step: for how long it was at work [s], why it failed. */
+export interface StepNews { state: StepState; tookS: number | null; why: string }
 
-export interface Progress { states: ReadonlyMap<number, StepState>; done: number; trouble: Trouble | null; notes: string[] }
+/** One plan and what became of its steps, by their numbers. A job has more than one where it planned anew. */
+export interface Part { steps: readonly PlanStep[]; reason: string; news: ReadonlyMap<number, StepNews> }
 
-const DONE = /^(?:\[\d+\/\d+\]|done:) (.*)$/;
-const BEGUN = /^Executing (.*?)(?: \(Required\))?$/;
-const FAILED = /^(?:Required action failed|Action failed): (.*)$/;
-/** Lines of progress that say no more than the steps do, and those round the list of what is left. */
-const QUIET = /to be done$|^(?:at once|kept|costs): /;
-const LEFT = /^ *\d+ {2}(\S.*?)(?: {2}.*)?$/;
+/** What went wrong, with what comes of it below; `left` steps were not done. */
+export interface Trouble { text: string; below: Trouble[]; left?: number }
 
-interface Told { plan: Plan | null; request: PlanRequest | null; lines: string[] }
+export interface Progress { parts: readonly Part[]; done: number; all: number; trouble: Trouble | null }
 
-/** The plan that a job carries out, who asked for it how, and what its command has told so far. */
+interface Told { plan: Plan | null; request: PlanRequest | null; parts: Part[]; notes: string[] }
+
+/** The plan that a job carries out, who asked for it how, and what its command has told so far: records `plan` and `step`, see docs/json.md. */
 export function toldBy(rows: readonly JobRow[]): Told {
   const first = rows[0] as { plan?: Plan; request?: PlanRequest } | undefined;
-  const lines = rows.flatMap((row) => (typeof row.stderr === 'string' ? [row.stderr] : []));
-  return { plan: first?.plan ?? null, request: first?.request ?? null, lines };
-}
-
-/** How far a plan is, by what its command has told. */
-export function progressOf(plan: Plan, lines: readonly string[], job: Pick<Job, 'status' | 'error' | 'text'>): Progress {
-  const [done, begun] = [new Set<string>(), new Set<string>()];
-  const failures: string[] = [];
-  const left: string[] = [];
+  const plan = first?.plan ?? null;
+  let [part, news] = begun(plan?.steps ?? [], '');
+  const parts = [part];
   const notes: string[] = [];
-  let isLeftKnown = false;
-  for (const line of lines) {
-    const [isDone, isBegun, isFailed, isLeft] = [DONE.exec(line)?.[1], BEGUN.exec(line)?.[1], FAILED.exec(line)?.[1], LEFT.exec(line)?.[1]];
-    if (isDone !== undefined) done.add(isDone);
-    else if (isBegun !== undefined) begun.add(isBegun);
-    else if (isFailed !== undefined) failures.push(isFailed);
-    else if (line.startsWith('left: ')) isLeftKnown = true;
-    else if (isLeftKnown && isLeft !== undefined) left.push(isLeft);
-    else if (!QUIET.test(line)) notes.push(line);
+  for (const row of rows.slice(1)) {
+    if (typeof row.stderr === 'string') notes.push(row.stderr);
+    else if (row.schema === 'rtkit.plan/1') {
+      // The plan that was shown is the same as that of the command, unless this one is told why it was made.
+      const isFurther = typeof row.reason === 'string' || news.size > 0;
+      [part, news] = begun(row.steps as PlanStep[], typeof row.reason === 'string' ? row.reason : '');
+      parts.splice(isFurther ? parts.length : parts.length - 1, 1, part);
+    } else if (row.schema === 'rtkit.step/1') {
+      const { number, state, took_s: tookS, why } = row as unknown as { number: number; state: StepState; took_s: number | null; why: string };
+      news.set(number, { state, tookS, why });
+    }
   }
-  const hasEnded = job.status !== null;
-  const hasFailed = hasEnded && (job.status !== 0 || failures.length > 0);
-  const states = new Map<number, StepState>();
-  for (const step of plan.steps) {
-    const isFailed = hasFailed && [...failures, ...notes].some((failure) => isAbout(failure, step.text));
-    // A step that took none, because it was so already, is not among those that are left.
-    const isHeld = job.status === 0 || (isLeftKnown && !left.includes(step.text));
-    states.set(step.number, done.has(step.text) ? 'done' : isFailed ? 'failed'
-      : begun.has(step.text) ? (hasEnded && job.status === 0 ? 'done' : hasEnded ? 'left' : 'begun')
-      : !hasEnded ? 'waiting' : isHeld ? 'held' : 'left');
-  }
-  const trouble = hasFailed ? troubleOf(job, failures, left, notes) : null;
-  return { states, done: [...states.values()].filter((state) => state === 'done' || state === 'held').length, trouble, notes: trouble ? [] : notes };
+  return { plan, request: first?.request ?? null, parts, notes };
 }
 
-/** Whether a failure names just what a step is about: `connect A.out to B.in`, `…/A.rtc in execution context 0`. */
-function isAbout(failure: string, step: string): boolean {
-  if (failure === step || failure.startsWith(`${step}:`) || failure.startsWith(`${step};`)) return true;
-  const paths = step.match(/\/\S+\.rtc(?::\S+)?/g);
-  if (!paths || step.startsWith('Check ')) return false;
-  return /^(\{\d+\} )?(\[.*\] )?(Activate|Deactivate|Connect|Disconnect|Create|Exit) /.test(step) && paths.every((path) => failure.includes(path));
+function begun(steps: readonly PlanStep[], reason: string): [Part, Map<number, StepNews>] {
+  const news = new Map<number, StepNews>();
+  return [{ steps, reason, news }, news];
 }
 
-/** One tree: what failed, below it each failure with its causes, then what comes of it. */
-function troubleOf(job: Pick<Job, 'error' | 'text' | 'status'>, failures: readonly string[], left: readonly string[], notes: readonly string[]): Trouble {
-  const below = [...new Set(failures)].map((failure) => {
-    const [first = '', ...more] = failure.split('; ');
-    return { text: first, below: more.map((text) => ({ text, below: [] as Trouble[] })) };
+/** How far a job is: of steps that nothing was told of, the end of the job tells what became. */
+export function progressOf(told: readonly Part[], job: Pick<Job, 'status' | 'error' | 'text'>): Progress {
+  const parts = told.map((part, index) => {
+    const isOver = job.status !== null || index < told.length - 1;
+    const isReached = job.status === 0 && index === told.length - 1;
+    const news = new Map(part.steps.map(({ number }) => [number, ended(part.news.get(number) ?? { state: 'waiting', tookS: null, why: '' }, isOver, isReached)]));
+    return { ...part, news };
   });
-  const others = notes.filter((note) => job.error.includes(note));
-  below.push(...others.map((text) => ({ text, below: [] })));
-  if (!below.length && job.error) below.push(...job.error.split('\n').map((text) => ({ text, below: [] })));
-  const last = below.at(-1);
-  const leaf = last?.below.find(({ text }) => / left$/.test(text));
-  if (leaf) leaf.below = left.map((text) => ({ text, below: [] }));
+  const last = [...(parts.at(-1)?.news.values() ?? [])];
+  const isDone = ({ state }: StepNews) => state === 'done' || state === 'held';
+  return { parts, done: last.filter(isDone).length, all: last.length, trouble: troubleOf(parts, job) };
+}
+
+function ended(news: StepNews, isOver: boolean, isReached: boolean): StepNews {
+  if (!isOver || (news.state !== 'waiting' && news.state !== 'begun')) return news;
+  return { ...news, state: !isReached ? 'left' : news.state === 'begun' ? 'done' : 'held' };
+}
+
+/** One tree: each step that failed with its cause, what the command said of it, and what is left. */
+function troubleOf(parts: readonly Part[], job: Pick<Job, 'error' | 'text' | 'status'>): Trouble | null {
+  if (job.status === null) return null;
+  const steps = parts.flatMap(({ steps: all, news }) => all.map((step) => ({ step, ...news.get(step.number) })));
+  const failed = steps.filter(({ state }) => state === 'failed');
+  if (job.status === 0 && !failed.length) return null;
+  const below: Trouble[] = failed.map(({ step, why = '' }) => ({ text: step.text, below: [{ text: why, below: [] }] }));
+  const said = failed.length ? (job.error.split('\n').at(-1) ?? '').split('; ').filter((part) => !failed.some(({ why }) => why && part.includes(why))) : job.error.split('\n');
+  below.push(...said.filter(Boolean).map((text) => ({ text, below: [] })));
+  const left = [...(parts.at(-1)?.steps ?? [])].filter(({ number }) => parts.at(-1)?.news.get(number)?.state === 'left');
+  if (left.length) below.push({ text: '', left: left.length, below: left.map(({ text }) => ({ text, below: [] })) });
   return { text: job.text, below };
 }

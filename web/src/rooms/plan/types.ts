@@ -22,14 +22,16 @@ export interface PlanRequest {
 }
 
 export interface PlanStep {
-  number: number; text: string; kind: string; required?: boolean;
-  layer?: number; subject?: string; cost?: number; cost_from?: string; change?: string;
+  number: number; text: string; kind: string; layer: number; subject: string; cost: number; cost_from: string; change: string;
+  required?: boolean; holds?: boolean; blocked?: string;
 }
 
-/** A plan as its command shows it; costs and layers are those of `rtplan`. */
+export interface PlanCheck { text: string; required: boolean; failure: string }
+
+/** A plan as its command tells it, the record `plan` of docs/json.md, and what else the page shows of it. */
 export interface Plan {
   steps: PlanStep[]; command: string; look: string; text: string; notes: string[];
-  cost?: number; optimal?: boolean; gap?: number; kept?: { managers: number; components: number; connections: number };
+  cost: number; checks?: PlanCheck[]; optimal?: boolean; gap?: number; kept?: { managers: number; components: number; connections: number };
 }
 
 /** What a system profile says. */
