@@ -367,7 +367,7 @@ def test_apply_tells_what_failed_and_the_way_back_as_json(console):
     status, out, err = console.run("rtapply --rollback --json")
     assert status == 1
     assert "everything is as it was before" in err
-    plan, *steps = jsonrecords.checked(out)
+    _, *steps = jsonrecords.checked(out)
     (failed,) = [each for each in steps if each.get("state") == "failed"]
     assert (failed["kind"], failed["subject"], failed["why"]) == ("connect", "wire", "no luck")
     (back,) = [each for each in steps if each["schema"] == "rtkit.plan/1"]
