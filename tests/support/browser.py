@@ -97,16 +97,26 @@ class Browser:
         return found
 
     def place(self, selector: str) -> tuple[float, float, float, float]:
-        """Return where an element rests, scrolled to: left, top, width, height.
+        """Return where an element rests, scrolled to: left, top, width, height."""
+        return self._place(selector, "found.scrollIntoView({block: 'center'});")
 
-        What comes late above an element moves it: it rests when some frames find it in one place.
+    def middle(self, selector: str) -> tuple[float, float]:
+        """Return the middle of an element of a diagram, which is moved and not scrolled."""
+        left, top, width, height = self._place(selector)
+        return left + width / 2, top + height / 2
+
+    def _place(self, selector: str, before: str = "") -> tuple[float, float, float, float]:
+        """Return where an element rests; each time it is looked for, something is done before.
+
+        What comes late above an element moves it, and a diagram is moved to what is selected: it
+        rests when some frames find it in one place.
         """
         look = f"""(async () => {{
             let place = "", frames = 0;
             while (frames < 5) {{
                 await new Promise(requestAnimationFrame);
                 const found = document.querySelector({json.dumps(selector)});
-                found.scrollIntoView({{block: "center"}});
+                {before}
                 const box = found.getBoundingClientRect();
                 const now = JSON.stringify([box.left, box.top, box.width, box.height]);
                 frames = now === place ? frames + 1 : 0;

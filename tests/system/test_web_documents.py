@@ -111,7 +111,7 @@ def test_a_diagram_is_edited_in_the_browser(
         page.press(NAME)
         page.wait_for(is_there(node("Motor0")))
         # By keyboard: a type of the list, a name, a connector.
-        page.wait_for(is_there(".document-types .rows button"))
+        page.wait_for(is_there(".document-types .rows button:not([disabled])"))  # connected
         page.type(".document-types input", "controller")
         page.wait_for("document.querySelectorAll('.document-types .rows button').length === 1")
         page.evaluate("document.querySelector('.document-types .rows button').focus()")
@@ -125,7 +125,7 @@ def test_a_diagram_is_edited_in_the_browser(
         page.press("Sensor0:distance")
         page.wait_for("document.querySelectorAll('.document .react-flow__edge').length === 4")
         # By mouse: a box is moved, which is one edit.
-        x, y = middle(page, f"{node('Motor0')} header")
+        x, y = page.middle(f"{node('Motor0')} header")
         for kind, dx in (("mouseMoved", 0), ("mousePressed", 0), ("mouseMoved", 30),
                          ("mouseMoved", 60), ("mouseReleased", 60)):  # fmt: skip
             page.mouse(kind, x + dx, y)
@@ -143,14 +143,6 @@ def test_a_diagram_is_edited_in_the_browser(
         page.wait_for(f"!({is_there(node('Controller1'))}) && !({is_there(node('Brain'))})")
         page.wait_for(is_there(".document .changed"))
         assert page.troubles() == []
-
-
-def middle(page: browser.Browser, selector: str) -> tuple[float, float]:
-    """Return the middle of an element of the diagram, which is moved and not scrolled."""
-    box = f"document.querySelector({selector!r}).getBoundingClientRect()"
-    found = page.evaluate(f"[{box}.x + {box}.width / 2, {box}.y + {box}.height / 2].join()")
-    x, y = map(float, found.split(","))
-    return x, y
 
 
 @pytest.mark.skipif(not AXE.is_file(), reason="axe-core is not installed")

@@ -291,13 +291,6 @@ def node(path: str) -> str:
     return f'.react-flow__node[data-id="{path}"]'
 
 
-def middle(page: browser.Browser, selector: str) -> tuple[float, float]:
-    box = f"document.querySelector({json.dumps(selector)}).getBoundingClientRect()"
-    found = page.evaluate(f"[{box}.x + {box}.width / 2, {box}.y + {box}.height / 2].join()")
-    x, y = map(float, found.split(","))
-    return x, y
-
-
 def enter(page: browser.Browser, label: str, text: str) -> None:
     """Put a text into the field with this label."""
     page.evaluate("document.querySelector('#wanted')?.removeAttribute('id')")
@@ -347,7 +340,7 @@ def test_a_machine_is_drawn_created_and_run(window: browser.Browser, machines: S
     page.key("Enter")
     page.wait_for(has_text(".machine-notes", "lit: Nothing leads to this state."))
     page.click(f"{node('off')} header")
-    start, end = middle(page, f"{node('off')} .more"), middle(page, f"{node('lit')} header")
+    start, end = page.middle(f"{node('off')} .more"), page.middle(f"{node('lit')} header")
     page.mouse("mouseMoved", *start)
     page.mouse("mousePressed", *start)
     for part in (0.3, 0.6, 1.0):

@@ -39,14 +39,6 @@ def has_text(selector: str, text: str) -> str:
 EDGE = ".react-flow__edge"
 
 
-def middle(page: browser.Browser, selector: str) -> tuple[float, float]:
-    """Return the middle of an element of the diagram, which is moved and not scrolled."""
-    box = f"document.querySelector('{selector}').getBoundingClientRect()"
-    found = page.evaluate(f"[{box}.x + {box}.width / 2, {box}.y + {box}.height / 2].join()")
-    x, y = map(float, found.split(","))
-    return x, y
-
-
 @pytest.fixture
 def page(manager: Shell, tmp_path: Path) -> Iterator[browser.Browser]:
     """The page of a system with two components that may be connected."""
@@ -87,7 +79,7 @@ def test_the_dead_are_told_by_word_and_shape(page: browser.Browser, tree: Tree) 
 def test_ports_are_connected_by_mouse_and_it_is_undone(
     page: browser.Browser, manager: Shell
 ) -> None:
-    start, end = middle(page, port(IN, "out")), middle(page, port(OUT, "in"))
+    start, end = page.middle(port(IN, "out")), page.middle(port(OUT, "in"))
     page.mouse("mouseMoved", *start)
     page.mouse("mousePressed", *start)
     for part in (0.3, 0.6, 1.0):

@@ -1,4 +1,4 @@
-import { useEffect, useRef } from 'react';
+import { useEffect, useLayoutEffect, useRef } from 'react';
 
 /** True where keys belong to a field or a dialog. */
 export function isTyping(event: KeyboardEvent): boolean {
@@ -19,7 +19,8 @@ export type Shortcuts = Partial<Record<Name, () => void>>;
 /** Keys that hold everywhere in the page, but not while one types. */
 export function useShortcuts(shortcuts: Shortcuts): void {
   const latest = useRef(shortcuts);
-  useEffect(() => {
+  // Before the page is shown: a key is about what is seen.
+  useLayoutEffect(() => {
     latest.current = shortcuts;
   });
   useEffect(() => {

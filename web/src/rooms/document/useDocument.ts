@@ -36,6 +36,8 @@ export function useDocument(of: string): OpenDocument {
   const [isClosed, setClosed] = useState(false);
   const folded = useRef<readonly string[]>([]);
   const latest = useRef<Picture | null>(null);
+  const asking = useRef(0);
+  const newest = useRef(0);
 
   const take = useCallback((next: Picture) => {
     // Answers of two requests may come in the other order; an edit of another page may be newer.
@@ -45,7 +47,24 @@ export function useDocument(of: string): OpenDocument {
     return next;
   }, []);
 
-  const ask = useCallback(async (path: string, body: object) => take(await api.post<Picture>(path, { ...body, folded: folded.current })), [api, take]);
+  const exchange = useCallback(async (path: string, body: object) => {
+    asking.current += 1;
+    try {
+      return take(await api.post<Picture>(path, { ...body, folded: folded.current }));
+    } finally {
+      asking.current -= 1;
+    }
+  }, [api, take]);
+
+  /** Takes what other pages did. An edit of this page comes by its answer alone, so that it is shown and selected at once. */
+  const catchUp = useCallback(function again() {
+    const known = latest.current;
+    if (!known || asking.current || newest.current <= known.revision) return;
+    newest.current = 0;
+    exchange(`/api/documents/${known.id}`, {}).then(again, (error: unknown) => setProblem(sentence(error)));
+  }, [exchange]);
+
+  const ask = useCallback((path: string, body: object) => exchange(path, body).finally(catchUp), [exchange, catchUp]);
 
   useEffect(() => {
     let isWanted = true;
@@ -61,8 +80,11 @@ export function useDocument(of: string): OpenDocument {
     const known = latest.current;
     if (news.id !== known?.id) return;
     if (news.revision === null) setClosed(true);
-    else if (news.revision > known.revision) ask(`/api/documents/${known.id}`, {}).catch((error: unknown) => setProblem(sentence(error)));
-  }), [subscriptions, ask]);
+    else {
+      newest.current = Math.max(newest.current, news.revision);
+      catchUp();
+    }
+  }), [subscriptions, catchUp]);
 
   const attempt = useCallback(async (path: string, body: object, said: (before: Picture, after: Picture) => string) => {
     const before = latest.current;
