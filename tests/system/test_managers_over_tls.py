@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from faultkit import Order, Points
 from forked import Commands
 from robotkit import AT, BOUND_S, Robot, opened_robot
 from waiting import until
@@ -423,6 +424,17 @@ def test_the_manager_of_that_name_here_is_another_one(robot: Robot) -> None:
     assert robot.shell.run("rtmgr status manager2").status == 0
     robot.shell.ok("rtmgr stop manager2")
     robot.shell.ok("rtmgr stop")
+
+
+def test_the_answer_to_stop_comes_though_its_port_closes_meanwhile(robot: Robot) -> None:
+    points = Points(robot.shell.folder / "points")
+    robot.more = points.variable
+    assert robot.there(f"rtmgr start manager2 -a --allow-faults --tls {AT}:0") == (0, "", "")
+    robot.more = {}
+    at = f"{AT}:{robot.port_of('manager2')}"
+    points.arm(*(Order("gateway.answered", n, "delay", "0.5") for n in range(1, 9)))
+    assert robot.by("owner1", f"rtmgr stop {at}") == (0, "", "")
+    assert points.has_struck(1)
 
 
 def test_without_keys_or_port_no_manager_starts(robot: Robot) -> None:

@@ -18,6 +18,8 @@ from rtkit.serving.acceptor import bound_to
 from rtkit.serving.event_loop import PropertyEventLoop
 
 _ROUTE_S = 5.0
+_ANSWER_S = 1.0
+"""How long the last answers of the manager may take, which waits longer for this process [s]."""
 
 
 def open_at(wanted: str, inner: str, stack: ExitStack) -> None:
@@ -34,9 +36,11 @@ def open_at(wanted: str, inner: str, stack: ExitStack) -> None:
         opened.callback(link.close)
         host = PropertyEventLoop()
         opened.callback(host.close)
-        host.add(ManagerRelay(host, link, ask_identity(session, _ROUTE_S)))
+        relay = ManagerRelay(host, link, ask_identity(session, _ROUTE_S))
+        host.add(relay)
         open_gateway(host, end)
         host.start()
+        opened.callback(relay.await_answers, _ANSWER_S)
         stack.enter_context(opened.pop_all())
 
 

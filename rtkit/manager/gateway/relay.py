@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import select
 import socket
+import threading
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -17,6 +18,7 @@ from time import monotonic, time
 from typing import cast
 from urllib.parse import unquote
 
+from rtkit import fault
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.keys.roles import includes
 from rtkit.keys.tls import Trust
@@ -171,6 +173,17 @@ class ManagerRelay(PropertyProvider):
         self._topics: dict[str, _Topic] = {}
         self._locks = PlanLocksOfClients(identity.host)
         self._taps = Taps(host, identity.manager)
+        self._under_way = 0
+        self._is_answered = threading.Event()
+        self._is_answered.set()
+
+    def await_answers(self, timeout_s: float) -> None:
+        """Wait until the manager has answered all that it was asked; not on the loop.
+
+        The answer to the request to end is one of them: it must not be lost because it comes with
+        the end. The loop sends what it has passed on before it ends.
+        """
+        self._is_answered.wait(timeout_s)
 
     def handle(self, ask: PropertyRequest) -> None:
         """See `PropertyProvider.handle`."""
@@ -243,6 +256,7 @@ class ManagerRelay(PropertyProvider):
         left_s = _TIMEOUT_S if ask.until == inf else min(ask.until - monotonic(), _LONGEST_S)
 
         def give(reply: Reply) -> None:
+            self._count(-1)
             if name == LOCK and reply.error and payload is not None:
                 self._locks.refused(caller, payload)
             if wanted.role != VIEWER:
@@ -254,12 +268,22 @@ class ManagerRelay(PropertyProvider):
             ask.answer(Answer(text, reply.error))
 
         def answered(reply: Reply) -> None:
+            fault.point("gateway.answered")
             self._host.post(partial(give, reply))
 
+        self._count(1)
         try:
             self._link.ask_later(f"{self._service}/{name}", payload, max(left_s, 0.001), answered)
         except Unreachable as error:
             give(Reply(str(error), error.kind))
+
+    def _count(self, more: int) -> None:
+        """Count the requests that wait for an answer of the manager."""
+        self._under_way += more
+        if self._under_way:
+            self._is_answered.clear()
+        else:
+            self._is_answered.set()
 
     def _listen(self, target: str, name: str, options: str, caller: GatewayConnection) -> None:
         """Have a caller listen to a topic, or no longer.
