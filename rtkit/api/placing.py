@@ -225,7 +225,7 @@ class _Placer(Closing):
             Unreachable: A free component may live on a host that cannot be reached.
         """
         from rtkit.deployment.placement.choice import choose
-        from rtkit.deployment.planning.model import DEFAULT_COSTS
+        from rtkit.deployment.planning.default_costs import DEFAULT_COSTS
 
         self._look_at_stated(is_remote=True)
         homes = self.homes()
@@ -296,7 +296,7 @@ class _Placer(Closing):
         """Return a component; one that requires nothing, or is out of sight, counts as there."""
         from rtkit.deployment.placement.choice import PlacedComponent
         from rtkit.deployment.placement.requirements import NOTHING_REQUIRED
-        from rtkit.deployment.planning.model import DEFAULT_COSTS
+        from rtkit.deployment.planning.default_costs import DEFAULT_COSTS
 
         name = component.instance_name
         own = properties_of(component.properties)
@@ -320,7 +320,7 @@ class _Placer(Closing):
 
     def _candidate(self, found: LookedAt) -> PlaceCandidate:
         from rtkit.api.candidates import lacking
-        from rtkit.deployment.planning.model import DEFAULT_COSTS
+        from rtkit.deployment.planning.default_costs import DEFAULT_COSTS
 
         candidate, lacks = found.candidate, lacking(self._session, found, self._makings)
         start = {}

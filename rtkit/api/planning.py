@@ -272,7 +272,7 @@ def read_costs(
         UsageProblem: One is not NAME=NUMBER, or there is no such kind of step, no component, or
             nothing of that name to which such a step could be done.
     """
-    from rtkit.deployment.planning.model import DEFAULT_COSTS, is_cost
+    from rtkit.deployment.planning.default_costs import DEFAULT_COSTS, is_cost
     from rtkit.deployment.planning.step_costs import interruption, subjects
     from rtkit.rtc.nearest import did_you_mean
 

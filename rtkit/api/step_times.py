@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rtkit.api.session import Session
     from rtkit.deployment.actions import Action
     from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.planning.step_costs import Times
+    from rtkit.deployment.planning.measured_times import Times
     from rtkit.deployment.system import WantedSystem
 
 _NAME = "step-times.json"
@@ -32,7 +32,7 @@ def path() -> str:
 
 def read(session: Session) -> Times:
     """Return the measured durations; a damaged file is reported and ignored."""
-    from rtkit.deployment.planning.step_costs import Times, times_from_text
+    from rtkit.deployment.planning.measured_times import Times, times_from_text
 
     try:
         with open(path(), "rb") as stream:
@@ -52,7 +52,7 @@ def note(session: Session, taken: Sequence[tuple[Action, float]], types: Mapping
     """Add the durations of actions [s]; a file that cannot be written is reported, not raised."""
     if not taken:
         return
-    from rtkit.deployment.planning.step_costs import times_to_text
+    from rtkit.deployment.planning.measured_times import times_to_text
     from rtkit.link.atomic import write_output
     from rtkit.link.places import make_private, state_dir
 

@@ -8,8 +8,9 @@ from typing import Any
 from rtkit.deployment.actions import Create
 from rtkit.deployment.conditions import OrderTarget
 from rtkit.deployment.layered_plan import Check, LayeredPlan, PlannedAction
+from rtkit.deployment.planning.measured_times import kind_of
 from rtkit.deployment.planning.model import cost_name
-from rtkit.deployment.planning.step_costs import Costs, kind_of
+from rtkit.deployment.planning.step_costs import Costs
 from rtkit.deployment.start_schedule import ScheduledAction, StartPlan
 from rtkit.rtc.create import parse_create
 

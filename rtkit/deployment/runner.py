@@ -11,7 +11,6 @@ from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.layered_plan import Check, LayeredPlan, PlannedAction, merged
 from rtkit.deployment.plan_watch import BEGUN, DONE, FAILED, HELD, PlanWatch
 from rtkit.deployment.site import UNFINISHED, Careful, Site, at_once
-from rtkit.deployment.traces import traces
 from rtkit.errors import Refused, RtkitError, Unreachable
 
 Talk = Callable[[str], None]
@@ -167,6 +166,8 @@ class PlanRunner:
         Raises:
             RtkitError: The manager does not answer the request for a snapshot.
         """
+        from rtkit.deployment.traces import traces
+
         removed: list[str] = []
         remaining: list[str] = []
         left = deque(traces(self.attempted, before, self._careful(self._site.remains)))

@@ -318,7 +318,7 @@ def _costs(instance: str, text: str) -> dict[str, float]:
     costs: dict[str, float] = {}
     if not text:
         return costs
-    from rtkit.deployment.planning.model import DEFAULT_COSTS, INTERRUPTIONS, is_cost
+    from rtkit.deployment.planning.default_costs import DEFAULT_COSTS, INTERRUPTIONS, is_cost
 
     for item in listed_names(text):
         kind, equals, number = item.rpartition("=")

@@ -189,7 +189,7 @@ READERS: dict[str, tuple[set[str], tuple[str, ...]]] = {
     "rtcheck --state Inactive FILE": (SYSTEM, FOR_REPAIRS_AND_CHANGES),
     "rtresurrect --dry-run FILE": (
         {*SYSTEM, "rtkit.deployment.actions"},
-        FOR_REPAIRS_AND_CHANGES,
+        (*FOR_REPAIRS_AND_CHANGES, "difflib", "rtkit.deployment.planning.model"),
     ),
     "rtstart --dry-run FILE": ({*SYSTEM, "rtkit.deployment.actions"}, FOR_REPAIRS_AND_CHANGES),
     "rtstop --dry-run FILE": ({*SYSTEM, "rtkit.deployment.actions"}, FOR_REPAIRS_AND_CHANGES),
@@ -208,7 +208,9 @@ PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
   rts:version="0.2" rts:updateDate="2024-01-31T12:00:00+09:00"
   rts:creationDate="2024-01-31T12:00:00+09:00" rts:id="RTSystem:me:one:1">
   <rts:Components xsi:type="rtsExt:component_ext" rts:id="RTC:me:example:T:1"
-    rts:pathUri="localhost/A.rtc" rts:instanceName="A" rts:isRequired="true"/>
+    rts:pathUri="localhost/A.rtc" rts:instanceName="A" rts:isRequired="true">
+    <rtsExt:Properties rtsExt:name="implementation_id" rtsExt:value="T"/>
+  </rts:Components>
 </rts:RtsProfile>
 """
 WITH_ONE = """

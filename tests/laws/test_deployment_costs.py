@@ -7,9 +7,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.planning import step_costs as costs
-from rtkit.deployment.planning.model import DEFAULT_COSTS
-from rtkit.deployment.planning.step_costs import ENOUGH, Mean, Times, times_from_text, times_to_text
+from rtkit.deployment.planning import measured_times as costs
+from rtkit.deployment.planning.default_costs import DEFAULT_COSTS
+from rtkit.deployment.planning.measured_times import (
+    ENOUGH,
+    Mean,
+    Times,
+    times_from_text,
+    times_to_text,
+)
 from rtkit.errors import Malformed
 from rtkit.rtc.enums import Transition
 

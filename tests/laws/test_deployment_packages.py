@@ -14,8 +14,9 @@ from reference_model import problem_of
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.packages import Packages
+from rtkit.deployment.planning.default_costs import DEFAULT_COSTS
 from rtkit.deployment.planning.deployment_plan import DeploymentPlan, make_plan
-from rtkit.deployment.planning.model import DEFAULT_COSTS, ComponentVariable, Model
+from rtkit.deployment.planning.model import ComponentVariable, Model
 from rtkit.deployment.wanted import wanted
 from rtkit.fast_dataclass import replace
 from rtkit.planner import plan

@@ -11,8 +11,8 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Container, Iterable, Iterator, Mapping
 from functools import cached_property
-from math import inf
 
+from rtkit.deployment.planning.default_costs import DEFAULT_COSTS
 from rtkit.fast_dataclass import dataclass
 
 DOWN, UP = "down", "up"
@@ -30,31 +30,6 @@ UNKNOWN = "\0"
 Facts = Mapping[str, str]
 Wish = str | tuple[str, ...]
 """A value, `ANY`, or several of which each will do."""
-
-DEFAULT_COSTS: Mapping[str, float] = {
-    "start_manager": 8,
-    "install": 12,
-    "uninstall": 2,
-    "load": 4,
-    "unload": 2,
-    "create": 3,
-    "create_slave": 6,
-    "delete": 2,
-    "connect": 1,
-    "disconnect": 1,
-    "configure": 1,
-    "activate": 1,
-    "deactivate": 1,
-    "reset": 1,
-}
-
-INTERRUPTIONS = ("deactivate", "delete", "reset")
-"""Kinds of steps that interrupt a component."""
-
-
-def is_cost(number: float) -> bool:
-    """Return whether a step may cost so much."""
-    return 0 < number < inf
 
 
 @dataclass(frozen=True, slots=True)

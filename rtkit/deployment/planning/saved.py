@@ -12,9 +12,9 @@ from dataclasses import dataclass, fields, replace
 from hashlib import sha256
 from typing import Any
 
+from rtkit.deployment.planning.default_costs import DEFAULT_COSTS
 from rtkit.deployment.planning.deployment_plan import DeploymentPlan
 from rtkit.deployment.planning.model import (
-    DEFAULT_COSTS,
     ComponentVariable,
     ConnectionVariable,
     Model,

@@ -17,7 +17,7 @@ from worlds import source_and_sink
 from rtkit.cli.system import rtapply, rtplan, rtresurrect, rtstart, rtstop, rtteardown
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.planning.step_costs import (
+from rtkit.deployment.planning.measured_times import (
     ENOUGH,
     Mean,
     Times,

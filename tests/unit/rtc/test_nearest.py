@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from rtkit.rtc.nearest import did_you_mean, nearest
+from difflib import SequenceMatcher
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rtkit.rtc.nearest import CLOSE, did_you_mean, nearest
 
 KNOWN = ("start", "stop", "restart", "status", "run")
 
@@ -25,3 +30,12 @@ def test_nothing_alike() -> None:
 
 def test_as_part_of_a_message() -> None:
     assert did_you_mean("strat", KNOWN, 2) == " (did you mean start or status?)"
+
+
+@given(st.text("abAß.", max_size=6), st.lists(st.text("abAß.", max_size=6), unique=True))
+def test_no_word_that_is_alike_is_left_out(word: str, known: list[str]) -> None:
+    ratio = {each: SequenceMatcher(a=each.casefold(), b=word.casefold()).ratio() for each in known}
+    alike = [each for each in known if ratio[each] >= CLOSE]
+    best = max((ratio[each] for each in alike), default=0.0)
+    expected = [each for each in alike if ratio[each] >= best - 0.15]
+    assert set(nearest(word, known, len(known), CLOSE)) == set(expected)
