@@ -27,12 +27,13 @@ def check_rate(rate: float) -> float:
 class Period:
     """The grid of deadlines of one periodic execution context.
 
-    A tick that lasts over one or more deadlines skips them: the next one is the first that is
-    not yet past, so the phase is kept and others get their time.
+    A tick that takes a period or more skips the deadlines that it lasts over: the next one is the
+    first that is not yet past, so the phase is kept and others get their time. A tick that was in
+    time by itself but began late has the last deadline that it lasts over made up for at once.
 
     Attributes:
         deadline_ns: When the next tick is due.
-        skipped: Deadlines that were skipped because of overruns.
+        skipped: Deadlines at which nothing was done: those skipped.
     """
 
     def __init__(self, rate: float, now_ns: int) -> None:
@@ -61,14 +62,19 @@ class Period:
         self._start_ns = self.deadline_ns = now_ns
         self._index = 0
 
-    def advance(self, now_ns: int) -> int:
-        """Return the next deadline, given that a tick has just ended at `now_ns`."""
+    def advance(self, now_ns: int, began_ns: int | None = None) -> int:
+        """Return the next deadline, given that a tick from `began_ns` has just ended at `now_ns`.
+
+        Without `began_ns` the tick counts as begun in time.
+        """
         following = self._index + 1
         if self._at(following) < now_ns:
             elapsed = now_ns - self._start_ns
             later = max(following, math.floor(elapsed * self._rate / NANOSECONDS))
             while self._at(later) < now_ns:
                 later += 1
+            if began_ns is not None and (now_ns - began_ns) * self._rate < NANOSECONDS:
+                later = max(following, later - 1)
             self.skipped += later - following
             following = later
         self._index = following

@@ -30,6 +30,18 @@ def test_an_overrun_skips_and_keeps_the_phase():
     assert period.skipped == 3
 
 
+def test_a_tick_that_began_late_is_made_up_for_once():
+    period = Period(100.0, 0)
+    assert period.advance(11_000_000, began_ns=9_500_000) == 10_000_000
+    assert period.advance(12_000_000, began_ns=11_000_000) == 20_000_000
+    assert period.skipped == 0
+    assert period.advance(57_000_000, began_ns=56_000_000) == 50_000_000
+    assert period.skipped == 2
+    assert period.advance(58_000_000, began_ns=57_000_000) == 60_000_000
+    assert period.advance(75_000_000, began_ns=60_000_000) == 80_000_000
+    assert period.skipped == 3
+
+
 def test_a_tick_that_ends_at_the_deadline_is_in_time():
     period = Period(100.0, 0)
     assert period.advance(10_000_000) == 10_000_000
