@@ -157,6 +157,8 @@ def _component(facts: ComponentFacts, row: ListingRow, *, is_reached: bool) -> R
                 "state": str(each.state),
                 "owner": each.owner,
                 "participants": list(each.participants),
+                "missed": each.missed,
+                "trouble": each.trouble,
             }
             for each in facts.contexts
         ],

@@ -37,6 +37,8 @@ class RateRow(NamedTuple):
         reached_hz: Cycles per second; None where no cycle calls the component.
         mean_s: Time of a cycle [s].
         longest_s: Time of the longest one in the last second [s].
+        missed_hz: Periods per second at which nothing was done.
+        latest_s: How late a cycle began at most in the last second [s].
         cpu_percent: Processor time of its whole process, in percent of one processor.
         memory_bytes: Memory of its whole process.
         written_hz: Values per second, by out port.
@@ -56,6 +58,8 @@ class RateRow(NamedTuple):
     reached_hz: float | None = None
     mean_s: float | None = None
     longest_s: float | None = None
+    missed_hz: float | None = None
+    latest_s: float | None = None
     cpu_percent: float | None = None
     memory_bytes: int | None = None
     written_hz: Rates | None = None
@@ -197,9 +201,12 @@ def _cycles(
     if old is None or new is None or not new.has_work:
         return {}
     ticks = new.ticks - old.ticks
+    missed = {"missed_hz": max(0, new.missed - old.missed) / elapsed_s}
     if ticks <= 0:
-        return {"reached_hz": 0.0}
+        return {"reached_hz": 0.0, **missed}
     return {
+        **missed,
+        "latest_s": new.latest_s,
         "reached_hz": ticks / elapsed_s,
         "mean_s": (new.busy_s - old.busy_s) / ticks,
         "longest_s": new.longest_s,

@@ -55,7 +55,9 @@ class ExecutionContext:
     Attributes:
         id: Its name within the component that owns it.
         owner: Instance name of that component.
-        properties: Its further properties, ``cpu_affinity``.
+        properties: Its further properties, with those of `rtkit.rtc.context_settings`.
+        missed: Periods at which nothing was done, since it was made.
+        trouble: Settings that the system refused; empty for none.
         is_running: Whether ticks do anything.
         wake: Called after a request was queued, by the thread that asked.
         changed: Called by the ticking thread after each change of state or active set.
@@ -75,6 +77,8 @@ class ExecutionContext:
         self.kind = kind
         self.owner = owner
         self.properties = properties
+        self.missed = 0
+        self.trouble = ""
         self.is_running = False
         self.wake: Callable[[], None] = nothing
         self.changed: Callable[[DrivenComponent], None] = ignore
@@ -95,6 +99,16 @@ class ExecutionContext:
     def participants(self) -> tuple[DrivenComponent, ...]:
         """The components that it drives, in the order of their execution."""
         return tuple(each.component for each in self._participants)
+
+    @property
+    def has_requests(self) -> bool:
+        """Return whether anything waits to be done by the ticking thread."""
+        return bool(self._requests)
+
+    @property
+    def has_work(self) -> bool:
+        """Return whether a cycle calls any participant."""
+        return self.is_running and any(each.has_work for each in self._participants)
 
     @property
     def is_idle(self) -> bool:
@@ -157,6 +171,8 @@ class ExecutionContext:
                 if each.component.instance != self.owner
             ),
             properties=self.properties,
+            missed=self.missed,
+            trouble=self.trouble,
         )
 
     def start(self) -> ReturnCode:
@@ -200,7 +216,7 @@ class ExecutionContext:
         handle = self.handle_for(component)
         self._participants = (*self._participants, Participant(component, handle))
         component.take_part(self)
-        self._notify_all()
+        self.notify()
         return ReturnCode.OK
 
     def remove_component(self, component: DrivenComponent) -> ReturnCode:
@@ -214,7 +230,7 @@ class ExecutionContext:
         self._participants = tuple(other for other in self._participants if other is not each)
         component.leave(self)
         self.changed(component)
-        self._notify_all()
+        self.notify()
         return ReturnCode.OK
 
     def order(self, first: tuple[DrivenComponent, ...]) -> None:
@@ -451,7 +467,8 @@ class ExecutionContext:
         self.watch("", "")
         return failure
 
-    def _notify_all(self) -> None:
+    def notify(self) -> None:
+        """Have the facts of every participant reported; only for the ticking thread."""
         for each in self._participants:
             self.changed(each.component)
 

@@ -7,11 +7,9 @@ from collections.abc import Mapping
 from rtkit.component.kinds import read_float
 from rtkit.component.period import check_rate
 from rtkit.errors import Malformed, Refused
+from rtkit.rtc.context_settings import READERS, SETTINGS
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.pattern import ContextPattern
-
-CPU_AFFINITY = "cpu_affinity"
-"""Property of a context: the processors that its thread may use, ``0,2-3``."""
 
 PERIODIC = "PeriodicExecutionContext"
 _KINDS = {
@@ -51,7 +49,7 @@ def wanted_contexts(
 
     Raises:
         Refused: A type that is not known, or a name that is used twice.
-        Malformed: A rate that cannot be read.
+        Malformed: A rate or a setting that cannot be read.
     """
     text = options.get("execution_contexts", "").strip()
     if text.lower() == _NONE:
@@ -90,11 +88,17 @@ def _wanted(item: str, index: int, options: Mapping[str, str], rate: float) -> C
 
 def _properties(kind: str, name: str, options: Mapping[str, str]) -> dict[str, str]:
     """Return the properties of one context besides its rate; its name precedes its type."""
-    every = options.get(f"exec_cxt.{CPU_AFFINITY}", "").strip()
-    found = {CPU_AFFINITY: every} if every else {}
+    every = {key: options.get(f"exec_cxt.{key}", "").strip() for key in SETTINGS}
+    found = {key: text for key, text in every.items() if text}
     for prefix in (f"ec.{kind}.", f"ec.{name}."):
         own = {k.removeprefix(prefix): v for k, v in options.items() if k.startswith(prefix)}
         found.update((key, value) for key, value in own.items() if key != "rate")
+    for key in READERS:
+        if found.get(key, "").strip():
+            try:
+                READERS[key](found[key])
+            except Malformed as error:
+                raise Malformed(f"execution context {name}: {key}: {error}") from None
     return found
 
 

@@ -42,4 +42,6 @@ def _context(component: Component, context: ExecutionContext, work: Work) -> Con
         work.ticks,
         work.busy_ns / 1e9,
         work.longest_ns / 1e9,
+        context.missed,
+        work.latest_ns / 1e9,
     )

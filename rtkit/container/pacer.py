@@ -12,19 +12,20 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from rtkit.component.context import ExecutionContext
-from rtkit.component.owned_contexts import CPU_AFFINITY
 from rtkit.component.period import Period
 from rtkit.component.waiting import grant_by
-from rtkit.container import processors
+from rtkit.container.context_thread import ContextThread
+from rtkit.container.missed_periods import MissedPeriods
 from rtkit.link.threads import start_thread
 
 
 class Work(NamedTuple):
-    """Work of a context: its cycles, their time, the longest of late [ns]."""
+    """Work of a context: its cycles, their time, the longest and the latest one of late [ns]."""
 
     ticks: int = 0
     busy_ns: int = 0
     longest_ns: int = 0
+    latest_ns: int = 0
 
 
 class Driver(Protocol):
@@ -68,6 +69,7 @@ class Pacer:
         self._ticks = 0
         self._busy_ns = 0
         self._longest_ns = 0
+        self._latest_ns = 0
         context.wake = self.wake
 
     def wake(self) -> None:
@@ -88,9 +90,10 @@ class Pacer:
             return self._thread is None and not self._alarm.is_set()
 
     def work(self) -> Work:
-        """Return what was done so far; the longest cycle is that since the last call."""
+        """Return what was done so far; longest and latest cycle are those since the last call."""
         longest_ns, self._longest_ns = self._longest_ns, 0
-        return Work(self._ticks, self._busy_ns, longest_ns)
+        latest_ns, self._latest_ns = self._latest_ns, 0
+        return Work(self._ticks, self._busy_ns, longest_ns, latest_ns)
 
     def stop(self) -> None:
         """Have the thread end after its present tick, and none begin."""
@@ -109,46 +112,63 @@ class Pacer:
 
     def _run(self) -> None:
         grant_by(self._grant)
-        processors.begin(self._context.properties.get(CPU_AFFINITY, ""))
+        thread = ContextThread(self._context)
         try:
+            thread.apply()
             if self._context.is_periodic:
-                self._run_at_rate()
+                self._run_at_rate(thread)
             else:
-                self._run_when_due()
+                self._run_when_due(thread)
         except BaseException:  # only what may end the process: another thread ends what is left
             self._thread = None
             raise
         finally:
-            processors.end()
+            thread.end()
             grant_by(None)
 
-    def _run_when_due(self) -> None:
+    def _run_when_due(self, thread: ContextThread) -> None:
         context, alarm = self._context, self._alarm
         while not self._rest():
             alarm.clear()
+            if not thread.is_current:
+                thread.apply()
             began_ns = time.monotonic_ns()
             context.tick()
             self._count(time.monotonic_ns() - began_ns)
             if not context.is_due and not context.is_idle:
                 alarm.wait()
 
-    def _run_at_rate(self) -> None:
-        context, alarm = self._context, self._alarm
+    def _run_at_rate(self, thread: ContextThread) -> None:
+        context, alarm, missed = self._context, self._alarm, MissedPeriods(self._context)
         period = Period(context.rate, time.monotonic_ns())
         while not self._rest():
             alarm.clear()
-            context.serve_requests()
+            if context.has_requests:
+                is_to_begin = not context.has_work
+                context.serve_requests()
+                if is_to_begin:  # while a component was activated there was no period to miss
+                    period.restart(time.monotonic_ns())
             if context.rate != period.rate:
                 period.change_rate(context.rate, time.monotonic_ns())
+            if not thread.is_current:
+                thread.apply()
             began_ns = time.monotonic_ns()
             if began_ns >= period.deadline_ns:
+                self._latest_ns = max(self._latest_ns, began_ns - period.deadline_ns)
                 context.tick()
                 ended_ns = time.monotonic_ns()
                 self._count(ended_ns - began_ns)
-                period.advance(ended_ns)
+                skipped = period.skipped
+                period.advance(ended_ns, began_ns)
+                if period.skipped != skipped:
+                    missed.add(period.skipped - skipped, ended_ns)
+                missed.report(ended_ns)
+                if thread.is_collecting:
+                    thread.collect(period.deadline_ns)
             delay = period.wait_s(time.monotonic_ns())
             if delay:
                 alarm.wait(delay)
+        missed.report(time.monotonic_ns(), is_last=True)
 
     def _count(self, spent_ns: int) -> None:
         self._ticks += 1

@@ -6,7 +6,8 @@ import logging
 import os
 from collections.abc import Mapping
 
-from rtkit.container.processors import check, use
+from rtkit.container.context_thread import check
+from rtkit.container.processors import use
 from rtkit.deployment.message import Message
 from rtkit.errors import Refused
 from rtkit.logs.logfile import LogFile, LogTarget, Lossy, Terminal

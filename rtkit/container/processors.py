@@ -8,13 +8,11 @@ from __future__ import annotations
 
 import os
 from _thread import get_native_id
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
-from rtkit.component.owned_contexts import CPU_AFFINITY
-from rtkit.errors import Malformed, Refused
-from rtkit.logs.late import late
+from rtkit.errors import Refused
+from rtkit.rtc.context_settings import CPU_AFFINITY
 
-_log = late(__name__)
 _own: set[int] = set()
 """Threads that have processors of their own."""
 
@@ -38,39 +36,16 @@ def use(wanted: frozenset[int]) -> None:
             raise Refused(_missing(wanted, error)) from error
 
 
-def check(options: Mapping[str, str]) -> None:
-    """Refuse processors of contexts that are not there, before a component is made.
-
-    Raises:
-        Malformed: Their list cannot be read.
-        Refused: There is none of them.
-    """
-    from rtkit.settings.values import processors
-
-    there = range(os.cpu_count() or 1)
-    for key, text in options.items():
-        if key != f"exec_cxt.{CPU_AFFINITY}" and not _is_of_context(key):
-            continue
-        try:
-            wanted = processors(text)
-        except Malformed as error:
-            raise Malformed(f"{key}: {error}") from None
-        if wanted.isdisjoint(there):
-            raise Refused(f"{key}: no such processors: {text} (there are {_text(there)})")
-
-
-def _is_of_context(key: str) -> bool:
-    return key.startswith("ec.") and key.endswith(f".{CPU_AFFINITY}")
-
-
-def begin(text: str) -> None:
-    """Have the present thread, which drives a context, run where it belongs."""
+def begin(text: str) -> str:
+    """Have the present thread, which drives a context, run where it belongs; return why not."""
     global _is_in_use
     if not text and not _is_in_use:
-        return
+        return ""
     _is_in_use = True
     if text:
         _own.add(get_native_id())
+    else:
+        end()
     wanted: Iterable[int] = os.sched_getaffinity(os.getpid())
     if text:
         from rtkit.settings.values import processors
@@ -79,7 +54,8 @@ def begin(text: str) -> None:
     try:
         os.sched_setaffinity(0, wanted)
     except OSError as error:
-        _log().warning("%s", _missing(frozenset(wanted), error))
+        return f"{CPU_AFFINITY}: {_missing(wanted, error)}"
+    return ""
 
 
 def end() -> None:
@@ -87,7 +63,7 @@ def end() -> None:
     _own.discard(get_native_id())
 
 
-def _missing(wanted: frozenset[int], error: OSError) -> str:
+def _missing(wanted: Iterable[int], error: OSError) -> str:
     there = _text(os.sched_getaffinity(0))
     return f"cannot run on processors {_text(wanted)} ({error.strerror}; this process has {there})"
 

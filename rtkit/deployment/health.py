@@ -1,10 +1,11 @@
 """Health rules: judge a component from its metrics; pure code.
 
 ``rtkit.health.stuck`` detects callbacks that do not return in time (1 s unless it states another
-time), ``rtkit.health.overrun`` cycles that exceed a number of seconds, ``rtkit.health.rate.PORT``
-ports that carry less or more than ``MIN-MAX`` values a second, ``rtkit.health.value.PARAMETER`` a
-parameter that violates a condition (``<5``, ``>=0``, ``=on``). The value of each rule ends, after a
-colon, with the reaction to a violation.
+time), ``rtkit.health.overrun`` cycles that exceed a number of seconds, ``rtkit.health.missed``
+contexts that miss more than a number of periods a second, ``rtkit.health.rate.PORT`` ports that
+carry less or more than ``MIN-MAX`` values a second, ``rtkit.health.value.PARAMETER`` a parameter
+that violates a condition (``<5``, ``>=0``, ``=on``). The value of each rule ends, after a colon,
+with the reaction to a violation.
 """
 
 from __future__ import annotations
@@ -48,10 +49,11 @@ class HealthRule(NamedTuple):
     """A health rule of a component.
 
     Attributes:
-        kind: ``stuck``, ``overrun``, ``rate`` or ``value``.
+        kind: ``stuck``, ``overrun``, ``missed``, ``rate`` or ``value``.
         name: Of the port or parameter; empty for the others.
         least: Lowest rate [Hz].
-        most: Highest rate [Hz], the longest cycle, or the deadline of a callback [s].
+        most: Highest rate [Hz], most missed periods [1/s], the longest cycle, or the deadline of a
+            callback [s].
         condition: Condition on a parameter: an operator and a value.
     """
 
@@ -116,6 +118,8 @@ def _rule(key: str, bound: str, reaction: Reaction) -> HealthRule:
         return HealthRule(kind, reaction, most=within_s)
     if kind == "overrun" and not name:
         return HealthRule(kind, reaction, most=_number(key, bound, "s"))
+    if kind == "missed" and not name:
+        return HealthRule(kind, reaction, most=_number(key, bound, "1/s"))
     if kind == "rate" and name:
         least, dash, most = bound.partition("-")
         if not dash:
@@ -130,7 +134,7 @@ def _rule(key: str, bound: str, reaction: Reaction) -> HealthRule:
         if not sign or (sign != "=" and finite(value) is None):
             raise Malformed(f"{key}: not <, <=, >, >= and a number, or = and a value: {bound}")
         return HealthRule(kind, reaction, name, condition=(sign, value))
-    known = "stuck, overrun, rate.PORT, value.PARAMETER"
+    known = "stuck, overrun, missed, rate.PORT, value.PARAMETER"
     raise Malformed(f"unknown rule of health: {key} (one of {known})")
 
 
@@ -156,6 +160,17 @@ def _overrun(rule: HealthRule, _before: Sample | None, now: Sample) -> str:
     if not now.is_active or longest_s <= rule.most:
         return ""
     return f"a cycle took {longest_s:.3g} s, more than {rule.most:g} s"
+
+
+def _missed(rule: HealthRule, before: Sample | None, now: Sample) -> str:
+    if before is None or not now.is_active or now.at_s <= before.at_s:
+        return ""
+    earlier = {each.id: each.missed for each in before.metrics.contexts}
+    for each in now.metrics.contexts:
+        missed = (each.missed - earlier.get(each.id, each.missed)) / (now.at_s - before.at_s)
+        if missed > rule.most:
+            return f"context {each.id} misses {missed:.3g} periods a second, above {rule.most:g}"
+    return ""
 
 
 def _rate(rule: HealthRule, before: Sample | None, now: Sample) -> str:
@@ -186,6 +201,7 @@ def _value(rule: HealthRule, _before: Sample | None, now: Sample) -> str:
 _JUDGES: Mapping[str, Callable[[HealthRule, Sample | None, Sample], str]] = {
     "stuck": lambda _rule, _before, now: now.stuck,
     "overrun": _overrun,
+    "missed": _missed,
     "rate": _rate,
     "value": _value,
 }

@@ -26,6 +26,8 @@ class ContextMetrics:
         ticks: Cycles of the context.
         busy_s: Time that they took together [s].
         longest_s: Time of the longest one since the last metrics [s].
+        missed: Periods at which nothing was done.
+        latest_s: How late a cycle began at most since the last metrics [s].
     """
 
     id: str
@@ -34,6 +36,8 @@ class ContextMetrics:
     ticks: int
     busy_s: float
     longest_s: float
+    missed: int = 0
+    latest_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -145,6 +145,8 @@ def _contexts(facts: ComponentFacts) -> list[Shown]:
             _text(f"{path}.id", context.id),
             Shown(f"{path}.kind", Word(context.kind.name), _read_only("word")),
             Shown(f"{path}.rate", context.rate, spec, _rate(facts, context)),
+            Shown(f"{path}.missed", context.missed, _MISSED),
+            _text(f"{path}.trouble", context.trouble),
             Shown(f"{path}.state", Word(context.state.name), _read_only("word")),
             Shown(f"{path}.is_running", context.is_running, _read_only("boolean")),
             _text(f"{path}.owner", context.owner),
@@ -173,6 +175,9 @@ def _participants(name: str, facts: ComponentFacts, context: ExecutionContextPro
     return Shown(name, value, PropertySpec(parse_type("list"), doc=doc), change)
 
 
+_MISSED = PropertySpec(
+    parse_type("integer"), "r", doc="Periods at which nothing was done, as of the last second"
+)
 _MOST_CYCLES = 1000
 _TICK = PropertySpec(
     parse_type("element"),

@@ -220,6 +220,9 @@ def _contexts(old: ComponentFacts, new: ComponentFacts) -> Iterator[UserEvent]:
             yield _of(EC_EVENT, new, context.id, word)
         if context.rate != known.rate:
             yield _of(EC_EVENT, new, context.id, "EC_RATE_CHANGED", f"{context.rate:g} Hz")
+        if context.trouble != known.trouble:
+            word = "EC_SETTINGS_REFUSED" if context.trouble else "EC_SETTINGS_APPLIED"
+            yield _of(EC_EVENT, new, context.id, word, context.trouble)
         if context.state != known.state:
             yield _status(new, context)
     for id in before:

@@ -94,6 +94,8 @@ class ExecutionContextProfile:
         id: Its name within the component; ``"0"`` for the first.
         rate: [Hz]; 0 where the kind has none.
         state: Life-cycle state of the component in this context.
+        missed: Periods at which nothing was done, as of the last report.
+        trouble: Settings that the system refused; empty for none.
     """
 
     id: str
@@ -104,6 +106,8 @@ class ExecutionContextProfile:
     state: LifeCycleState = LifeCycleState.INACTIVE
     participants: tuple[str, ...] = ()
     properties: Mapping[str, str] = field(default_factory=dict)
+    missed: int = 0
+    trouble: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.rtc import context_settings
 from rtkit.rtc.manager_address import parse_address
 from rtkit.rtc.nearest import did_you_mean
 from rtkit.settings import formats, values
@@ -128,6 +129,12 @@ exec_cxt.activation_timeout | | number | live | the same for activation only [s]
 exec_cxt.deactivation_timeout | | number | live | the same for deactivation only [s]
 exec_cxt.reset_timeout | | number | live | the same for reset only [s]
 exec_cxt.cpu_affinity | | list | live | processors of the threads that drive contexts
+exec_cxt.sched_policy | | text | live
+    | scheduling of those threads: other, fifo, rr; fifo where only a priority is given
+exec_cxt.priority | | text | live | their priority, 1 to 99
+exec_cxt.memory_lock | | text | live | YES: their process stays in RAM while they are at work
+exec_cxt.garbage_collector | | text | live
+    | of that process while they are at work: on, frozen, between (periods), off
 execution_contexts | | list | live | contexts of components: TYPE(NAME),...; none for none
 logger.enable | YES | boolean | live | NO: nothing is logged
 logger.file_name | | list | start | further log files, stdout or stderr; %p is the pid
@@ -157,7 +164,7 @@ manager.modules.*.profile_cmd | | text | - | modules are read, not run
 manager.restart.* | | text | live | the same for what slave * holds
 manager.local_service.* | | text | - | managers have no plug-ins
 logger.logstream.* | | text | - | logs are files, one JSON object a line
-ec.* | | text | live | ec.TYPE.KEY, ec.NAME.KEY: rate, cpu_affinity of contexts
+ec.* | | text | live | ec.TYPE.KEY, ec.NAME.KEY: rate of contexts, and what exec_cxt.KEY says of all
 port.* | | text | live | defaults of ports and their connections
 sdo.* | | text | - | components have no SDO services
 os.* | | text | fixed | operating system of the manager
@@ -167,6 +174,7 @@ os.* | | text | fixed | operating system of the manager
 _READERS: Mapping[str, Callable[[str], object]] = {
     "manager.cpu_affinity": values.processors,
     "exec_cxt.cpu_affinity": values.processors,
+    **{f"exec_cxt.{key}": read for key, read in context_settings.READERS.items()},
     "manager.components.naming_policy": values.naming_policy,
     "manager.naming_formats": formats.check_early,
     "manager.modules.preload": values.modules,

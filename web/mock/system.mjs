@@ -30,7 +30,7 @@ function component(name, type, process, look, portText, more = {}) {
   return {
     id: `/${host}/${name}.rtc`, name, type, type_id: `RTC:rtkit:robots:${type}:1.0`, manager, process, state, look,
     word: state === 'Unknown' ? look : state, remark: '', since, description: `The ${type} of the butler robot.`, composite: '', members: more.members ?? [], is_composite: Boolean(more.members),
-    contexts: [{ id: '0', kind: 'PERIODIC', rate_hz: rate, is_running: true, state, owner: `/${host}/${name}.rtc`, participants: [] }],
+    contexts: [{ id: '0', kind: 'PERIODIC', rate_hz: rate, is_running: true, state, owner: `/${host}/${name}.rtc`, participants: [], missed: 0, trouble: '' }],
     ports: ports(portText), active_set: 'default', sets: { default: {} }, widgets: {}, constraints: {},
     properties: { instance_name: name, type_name: type, category: 'robots', vendor: 'rtkit', version: '1.0' }, ...more,
   };

@@ -117,6 +117,8 @@ def _context_lines(context: ExecutionContextProfile, number: int, level: int) ->
         ("State", "Running" if context.is_running else "Stopped"),
         ("Kind", _KINDS.get(context.kind, "Other")),
         ("Rate", str(context.rate)),
+        *((("Missed periods", str(context.missed)),) if context.missed else ()),
+        *((("Trouble", f"runs without {context.trouble}"),) if context.trouble else ()),
         ("Owner", context.owner),
     ]
     lines = [f"-{title}", *terminal.pairs(rows)]

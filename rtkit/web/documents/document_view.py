@@ -201,7 +201,8 @@ def _component(each: rts.ComponentInstance, catalogue: Catalogue) -> Record:
         "remark": "", "since": 0,
         "contexts": [
             {"id": own.id, "kind": own.kind, "rate_hz": own.rate or 0, "is_running": False,
-             "state": "", "owner": "", "participants": [p.instance_name for p in own.participants]}
+             "state": "", "owner": "", "missed": 0, "trouble": "",
+             "participants": [p.instance_name for p in own.participants]}
             for own in each.execution_contexts
         ],
         "active_set": each.active_configuration_set or "",

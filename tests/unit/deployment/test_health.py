@@ -9,9 +9,11 @@ from rtkit.deployment.metrics import ComponentMetrics, ContextMetrics
 from rtkit.errors import Malformed
 
 
-def sample(at_s: float, count: int = 0, longest_s: float = 0.0, **more: object) -> Sample:
+def sample(
+    at_s: float, count: int = 0, longest_s: float = 0.0, missed: int = 0, **more: object
+) -> Sample:
     """Return a component that has written and read so much."""
-    context = ContextMetrics("0", True, True, count, 0.0, longest_s)
+    context = ContextMetrics("0", True, True, count, 0.0, longest_s, missed)
     metrics = ComponentMetrics("A", (context,), {"out": count}, {"in": 2 * count})
     told = {"is_active": True, "values": {"gain": "2.5", "mode": "on"}, **more}
     return Sample(at_s, metrics=metrics, **told)  # type: ignore[arg-type]
@@ -34,6 +36,14 @@ BEFORE = sample(10.0, 100)
         ),
         ("overrun", "0.3:log", sample(11.0, longest_s=0.25), ""),
         ("overrun", "0.1:log", sample(11.0, longest_s=0.25, is_active=False), ""),
+        ("missed", "10:log", sample(12.0, missed=20), ""),
+        (
+            "missed",
+            "10:log",
+            sample(12.0, missed=21),
+            "context 0 misses 10.5 periods a second, above 10",
+        ),
+        ("missed", "10:log", sample(12.0, missed=21, is_active=False), ""),
         ("rate.out", "5-50:log", sample(12.0, 120), ""),
         (
             "rate.out",
@@ -73,6 +83,8 @@ def test_what_is_done_is_said_after_a_colon() -> None:
     [
         ("stuck", "panic", "not one of log, degrade, restart, stop: panic"),
         ("overrun", "-1:log", r"not a number of 0 or more \[s\]: -1"),
+        ("missed", "-1:log", r"not a number of 0 or more \[1/s\]: -1"),
+        ("missed.out", "1", "unknown rule of health: rtkit.health.missed.out"),
         ("overrun", "1:perhaps", "not one of log, degrade, restart, stop: perhaps"),
         ("rate.out", "5", r"not MIN-MAX \[Hz\]: 5"),
         ("rate.out", "5-1", "the lowest rate is above the highest: 5-1"),

@@ -9,6 +9,8 @@ from rtkit.settings.properties import NONE, properties
 
 ROOT = Path(__file__).parents[3]
 PROPERTIES, SETTINGS = "test_properties.py", "test_configuration.py"
+CONTEXTS = "test_context_settings.py"
+_APPLIED = "test_settings_are_those_of_the_thread_and_end_with_it"
 SHOWN_BY = {
     "config.version": (PROPERTIES, "test_names_of_the_manager"),
     "openrtm.name": (PROPERTIES, "test_an_identity_is_read_only"),
@@ -76,6 +78,10 @@ SHOWN_BY = {
     "exec_cxt.deactivation_timeout": (PROPERTIES, "test_transitions_are_waited_for_so_long"),
     "exec_cxt.reset_timeout": (PROPERTIES, "test_transitions_are_waited_for_so_long"),
     "exec_cxt.cpu_affinity": (PROPERTIES, "test_processors_of_contexts"),
+    "exec_cxt.sched_policy": (CONTEXTS, _APPLIED),
+    "exec_cxt.priority": (CONTEXTS, _APPLIED),
+    "exec_cxt.memory_lock": (CONTEXTS, _APPLIED),
+    "exec_cxt.garbage_collector": (CONTEXTS, _APPLIED),
     "execution_contexts": (PROPERTIES, "test_contexts_of_components"),
     "logger.enable": (PROPERTIES, "test_nothing_is_logged"),
     "logger.file_name": (PROPERTIES, "test_how_a_further_log_looks"),

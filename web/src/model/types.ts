@@ -27,6 +27,10 @@ export interface Context {
   state: string; owner: string;
   /** Components that it drives besides its owner. */
   participants: string[];
+  /** Periods at which nothing was done. */
+  missed: number;
+  /** Settings that the system refused; empty for none. */
+  trouble: string;
 }
 
 export interface Interface { instance: string; type: string; polarity: 'Provided' | 'Required' }

@@ -37,6 +37,8 @@ function ContextRow({ system, component, context }: { system: System; component:
           {isChanged && <button type="submit" disabled={!canChange || !isGood}>{texts.inspector.set}</button>}
         </form>
       )}
+      {context.missed > 0 && <p>{texts.manage.contexts.missed(context.missed)}</p>}
+      {context.trouble && <p className="warning">⚠ {texts.manage.contexts.without(context.trouble)}</p>}
       {context.owner === component.id
         ? <Guests system={system} component={component} context={context} />
         : <p>{texts.manage.contexts.owner}: <Link id={context.owner} /></p>}

@@ -101,6 +101,7 @@ def _look(name: str, timeout_s: float) -> list[Diagnosis]:
         return [_silent(name, timeout_s, str(error))]
     return [
         *judge(name, listing, facts),
+        *contexts(facts),
         *old_code(facts),
         *endpoint(name, address, facts.properties, os.environ.get("RTKIT_PORT", "")),
         *_clock(name, started),
@@ -131,6 +132,26 @@ def judge(name: str, listing: Listing, facts: Snapshot) -> Iterator[Diagnosis]:
     text = f"manager {name!r} answers: {components} components, {slaves} slaves"
     yield Diagnosis("managers", OK, text, "", name)
     yield from trouble
+
+
+_CURES = {
+    "RLIMIT_RTPRIO": "USER - rtprio 99 in /etc/security/limits.d/rtkit.conf, or LimitRTPRIO=99 in"
+    " the unit of a service; then log in anew and rtmgr restart",
+    "RLIMIT_MEMLOCK": "USER - memlock unlimited in /etc/security/limits.d/rtkit.conf, or"
+    " LimitMEMLOCK=infinity in the unit of a service; then log in anew and rtmgr restart",
+}
+"""Cures of settings of contexts that the system refuses, by a word of the refusal."""
+
+
+def contexts(facts: Snapshot) -> Iterator[Diagnosis]:
+    """Name the contexts that run without a setting that the system refused."""
+    for component in facts.components:
+        path = f"/{component.names[0]}" if component.names else component.instance
+        for context in component.contexts:
+            if context.trouble and context.owner == component.instance:
+                text = f"context {context.id} of {path} runs without {context.trouble}"
+                cure = "; ".join(text for word, text in _CURES.items() if word in context.trouble)
+                yield Diagnosis("components", WARNING, text, cure, path)
 
 
 def old_code(facts: Snapshot) -> Iterator[Diagnosis]:

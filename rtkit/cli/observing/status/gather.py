@@ -188,6 +188,10 @@ def _details(snapshot: Snapshot, facts: ComponentFacts, row: RateRow | None) -> 
                 "reached_hz": row.reached_hz if row and row.context == context.id else None,
                 "mean_s": row.mean_s if row and row.context == context.id else None,
                 "longest_s": row.longest_s if row and row.context == context.id else None,
+                "missed": context.missed,
+                "missed_hz": row.missed_hz if row and row.context == context.id else None,
+                "latest_s": row.latest_s if row and row.context == context.id else None,
+                "trouble": context.trouble,
             }
             for context in facts.contexts
         ],
@@ -308,6 +312,8 @@ def _warnings(record: Mapping[str, Any], facts: ComponentFacts | None) -> Iterat
         asked, reached = context["rate_hz"], context["reached_hz"]
         if asked and reached is not None and reached < _SLOW * asked:
             yield f"context {context['id']} reaches {reached:.4g} of {asked:.4g} Hz"
+        if context["trouble"]:
+            yield f"context {context['id']} runs without {context['trouble']}"
     if not record["manager"]["is_running"]:
         yield f"rtmgr start {record['manager']['name']} makes again what was to be there"
         return

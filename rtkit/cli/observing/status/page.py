@@ -72,6 +72,12 @@ def _context(context: Mapping[str, Any]) -> str:
     if context["mean_s"] is not None:
         mean, longest = context["mean_s"] * 1e3, context["longest_s"] * 1e3
         parts.append(f"a cycle {mean:.3g} ms, the longest {longest:.3g} ms")
+    if context["latest_s"] and asked:
+        parts.append(f"begun at most {context['latest_s'] * 1e3:.3g} ms late")
+    if context["missed"] or context["missed_hz"]:
+        now = context["missed_hz"]
+        rate = f" ({now:.4g}/s)" if now is not None else ""
+        parts.append(f"{context['missed']} periods missed{rate}")
     return ", ".join(parts)
 
 

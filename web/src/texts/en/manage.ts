@@ -7,6 +7,7 @@ export const manageTexts = {
   },
   contexts: {
     drives: 'Drives also', attach: 'Attach', detach: (name: string) => `Detach ${name}`, choose: 'Attach a component', owner: 'Owner',
+    missed: (n: number) => (n === 1 ? '1 period was missed.' : `${n} periods were missed.`), without: (trouble: string) => `It runs without ${trouble}.`,
   },
   composites: {
     make: 'Make a composite …', title: 'Make a composite', name: 'Name of the composite', type: 'Type', rate: 'Rate of its context [Hz]', ports: 'Ports that it shows',

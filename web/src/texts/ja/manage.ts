@@ -8,6 +8,7 @@ export const manageTexts: ManageTexts = {
   },
   contexts: {
     drives: '他に駆動するもの', attach: 'アタッチ', detach: (name) => `${name} をデタッチ`, choose: 'アタッチするコンポーネント', owner: '所有者',
+    missed: (n) => `${n} 回の周期が抜けました。`, without: (trouble) => `次の設定なしで動作しています: ${trouble}`,
   },
   composites: {
     make: '複合コンポーネントの作成 …', title: '複合コンポーネントの作成', name: '複合コンポーネントの名前', type: '型', rate: '実行コンテキストの周期 [Hz]', ports: '公開するポート',
