@@ -271,13 +271,45 @@ def with_hosts(document: SystemProfile, pairs: Iterable[str]) -> SystemProfile:
     Raises:
         UsageProblem: A pair is not of that form.
     """
-    mapped = {}
-    for item in pairs:
-        host, equals, other = item.partition("=")
-        if not (host and equals and other):
-            raise UsageProblem(f"--map needs HOST=HOST: {item}")
-        mapped[host] = other
-    return replace(document, mapped=mapped)
+    return replace(document, mapped=pairs_of("--map", "HOST=HOST", pairs))
+
+
+def pairs_of(option: str, form: str, items: Iterable[str]) -> dict[str, str]:
+    """Return the pairs that an option has.
+
+    Raises:
+        UsageProblem: One is not of the form.
+    """
+    pairs = {}
+    for item in items:
+        name, equals, value = item.partition("=")
+        if not (name and equals and value):
+            raise UsageProblem(f"{option} needs {form}: {item}")
+        pairs[name] = value
+    return pairs
+
+
+def selected(
+    document: SystemProfile, places: Mapping[str, str], left_out: Iterable[str], usual: str
+) -> SystemProfile:
+    """Return a profile with other places for components, and without some of its parts.
+
+    See `rtkit.deployment.placement.selection`. It is as if it had been read so.
+
+    Raises:
+        NotFound: There is no such part.
+        UsageProblem: A place is none.
+    """
+    names = list(left_out)
+    if not (places or names):
+        return document
+    from rtkit.deployment.placement.selection import with_other_places, without_parts
+    from rtkit.profile.write import write_profile
+
+    profile = with_other_places(document.profile, places, usual)
+    profile = without_parts(profile, names) if names else profile
+    data = write_profile(profile)
+    return replace(document, profile=profile, data=data, form="xml", resolved=None)
 
 
 def made(profile: RtsProfile, source: str) -> SystemProfile:

@@ -198,6 +198,31 @@ def test_a_read_only_page_shows_plans_and_does_none(robot: tuple[Shell, str]) ->
             assert client.ask("POST", "/api/plans/show", bad).status == status
 
 
+def test_a_restore_takes_some_parts_to_other_places(robot: tuple[Shell, str]) -> None:
+    shell, file = robot
+    with served(shell, f"--root {Path(file).parent}") as client, client.stream() as stream:
+        profile = client.ask("GET", f"/api/plans/profile?file={file}").body
+        (wire,) = profile["connectors"]
+        assert wire["text"] == "Sensor0.distance → Controller0.distance"
+        sets = {each["name"]: each["sets"] for each in profile["components"]}
+        assert "default" in sets["Controller0"]
+        place = "/localhost/manager.mgr/eye.mgr"
+        request = {"do": "restore", "file": file, "place": {"Sensor0": place}}
+        request["without"] = ["Moody0", wire["id"], "Controller0.*"]
+        plan = client.post("/api/plans/show", request)
+        assert ended(stream, started(client, **request))["status"] == 0
+        assert not any("Moody" in each["text"] for each in plan["steps"])
+        assert f"--place=Sensor0={place} --without=Moody0" in plan["command"]
+        assert client.ask("POST", "/api/plans/show", {**request, "without": ["No0"]}).status == 409
+        stream.until(lambda s: len(s.components) == 2)
+        assert stream.connectors == {}
+    assert sorted(shell.ok("rtls /localhost/manager.mgr").split()) == [
+        "Controller0.rtc", "Sensor0.rtc", "brain.mgr/", "eye.mgr/",
+    ]  # fmt: skip
+    assert shell.ok("rtls /localhost/manager.mgr/eye.mgr").split() == ["Sensor0.rtc"]
+    assert float(shell.ok("rtconf /localhost/Controller0.rtc get gain")) != 2.5
+
+
 def test_files_are_compared_and_orders_are_written_and_taken_back(
     robot: tuple[Shell, str],
 ) -> None:
@@ -240,6 +265,23 @@ def test_a_plan_is_shown_then_done_and_all_pages_see_it(
         page.picture("/dev/null", 1024, 768)
         page.go(address)
         page.wait_for("document.querySelector('.deeds') !== null")
+        page.wait_for("document.querySelector('.hosts summary') !== null")
+        page.click(".hosts summary")
+        sensor = page.evaluate(
+            "[...document.querySelectorAll('.hosts th input')].findIndex((each) =>"
+            " each.closest('label').innerText.trim() === 'Sensor0') + 1"
+        )
+        page.click(f".hosts tbody tr:nth-of-type({sensor}) th input")
+        field = "[aria-label='Goes to: Controller0']"
+        page.type(field, "/localhost/manager.mgr/head.mgr")
+        page.press("Show the plan")
+        page.wait_for("document.querySelector('.command') !== null")
+        command = page.evaluate("document.querySelector('.command code').innerText")
+        assert "--place=Controller0=/localhost/manager.mgr/head.mgr --without=Sensor0" in command
+        clean(page)
+        page.click(f".hosts tbody tr:nth-of-type({sensor}) th input")
+        page.evaluate(f"document.querySelector({json.dumps(field)}).select()")
+        page.key("Backspace")
         page.press("Show the plan")
         page.wait_for("document.querySelectorAll('.steps .layer').length > 2")
         page.press("Apply now")

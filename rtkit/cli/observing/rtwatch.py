@@ -119,10 +119,10 @@ def _states(app: App, file: str) -> tuple[States, Managers | None]:
     from rtkit.api.gathering import Managers, names_another
     from rtkit.api.planning import DeploymentInputs
     from rtkit.api.states import states_of
-    from rtkit.cli.system.document import read_document
+    from rtkit.cli.system.document import read_as_is
     from rtkit.deployment.goal import DeploymentGoal
 
-    document = read_document(app, (file,))
+    document = read_as_is(app, (file,))
     is_wide = names_another(document.profile)
     managers = Managers(document.profile, app.usual_manager) if is_wide else None
     snapshot = looking.snapshot(app)

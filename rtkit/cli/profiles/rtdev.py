@@ -72,7 +72,7 @@ def main(
     if is_down:
         from rtkit.api.starting import teardown
 
-        document = read_document(app, asked.files, asked.mapped)
+        document = read_document(app, asked)
         teardown(app, document, ends_components=True, is_dry=False)
     else:
         app.report(f"the system runs on; rtteardown --exit {asked.files[0]} ends it")
@@ -169,7 +169,7 @@ class _Development:
         from rtkit.tree.plan_locks import PlanLocks
 
         app, asked = self._app, self._asked
-        document = read_document(app, asked.files, asked.mapped)
+        document = read_document(app, asked)
         with PlanLocks(" ".join([app.name, *asked.files]), self._wait_s, app.report) as lock:
             prepared = planning.prepare(app, document, self._aim, is_dry=False, lock=lock)
             system = prepared.goal.system

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from rtkit.api.system_profiles import is_saved_plan, parse_document, with_hosts
+from rtkit.api.system_profiles import is_saved_plan, parse_document
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import COUNT, flag, option, together
 from rtkit.cli.shared.system_values import parameters
 from rtkit.cli.system import shared
-from rtkit.cli.system.document import read_data
+from rtkit.cli.system.document import as_asked, read_data
 from rtkit.cli.system.planning import AIM
 from rtkit.errors import Refused, UsageProblem
 
@@ -88,7 +88,7 @@ def main(
         )
     else:
         document = parse_document(app, source, data, app.form, parameters(app))
-        document = with_hosts(document, asked.mapped)
+        document = as_asked(app, document, asked, prunes=aim.prunes)
         prepared = planning.prepare(
             app, document, aim, is_dry=dry_run, parallel=parallel or 0, lock=lock
         )
@@ -109,7 +109,7 @@ def _check_nothing_else(app: App, options: dict[str, Any]) -> None:
     given = [
         parameter.opts[-1]
         for parameter in context.command.params
-        if parameter.name in (*options, "sets", "values", "prefix")
+        if parameter.name in (*options, "placed", "left_out", "sets", "values", "prefix")
         and context.get_parameter_source(parameter.name) is ParameterSource.COMMANDLINE
     ]
     given += [f"--{app.form}"] if app.form is not None else []

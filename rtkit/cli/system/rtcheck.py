@@ -74,7 +74,7 @@ def main(
         raise UsageProblem("--components and --ignore are for --static")
     if is_diff and form not in (static_checks.TEXT, "json"):
         raise UsageProblem("--diff has a form of its own, or that of --json: no --format")
-    document = read_document(app, asked.files, asked.mapped)
+    document = read_document(app, asked)
     if dry_run:
         from rtkit.api import looking
         from rtkit.api.displaced import where_they_live

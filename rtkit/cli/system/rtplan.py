@@ -67,7 +67,7 @@ def main(
 
     if is_json and is_dot:
         raise UsageProblem("--json and --dot exclude each other")
-    document = read_document(app, asked.files, asked.mapped)
+    document = read_document(app, asked, prunes=aim.prunes)
     prepared = planning.prepare(app, document, aim, is_dry=True)
     goal, plan = prepared.goal, prepared.plan
     if out is not None:

@@ -51,7 +51,7 @@ def main(
     if no_create and (stand_in or transmit):
         raise UsageProblem("--no-create makes no stand-ins")
     shared.watch(app, is_json=is_json)
-    document = read_document(app, asked.files, asked.mapped)
+    document = read_document(app, asked)
     if strict_path:
         from rtkit.deployment.place import check_paths
 

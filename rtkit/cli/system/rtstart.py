@@ -39,7 +39,7 @@ def main(
     has happened for 10 s after the last time that it names.
     """
     shared.watch(app, is_json=is_json)
-    document = read_document(app, asked.files, asked.mapped)
+    document = read_document(app, asked)
     plan_for = start_plan_of(document, wait=not no_wait)
     is_followed = not (dry_run or draws) and states.is_follow_wanted(app, document)
     starting.run(app, document, plan_for, draws=draws, dry_run=dry_run)

@@ -86,7 +86,7 @@ def main(
     from rtkit.api import states
 
     is_led = goto is not None or event is not None
-    document = read_document(app, asked.files, asked.mapped)
+    document = read_document(app, asked)
     if follow:
         states.check_one_manager(app, document)
     lock = shared.locks(app, asked.files, wait_s) if is_led and not dry_run else None

@@ -47,9 +47,9 @@ def main(
     else:
         if not files and (sys.stdin is None or sys.stdin.isatty()):
             raise WrongArguments("No file specified; --live draws what lives.")
-        from rtkit.cli.system.document import read_document
+        from rtkit.cli.system.document import read_as_is
         from rtkit.profile_tools.system_scene import system_scene
 
-        scene = system_scene(read_document(app, files).profile)
+        scene = system_scene(read_as_is(app, files).profile)
     terminal.write(exported(scene, "dot", _TITLE).splitlines())
     return app.report_silent_servers("not drawn") if live else 0

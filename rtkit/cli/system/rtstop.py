@@ -37,7 +37,7 @@ def main(
     happened for 10 s after the last time that it names.
     """
     shared.watch(app, is_json=is_json)
-    document = read_document(app, asked.files, asked.mapped)
+    document = read_document(app, asked)
     starting.run(
         app,
         document,

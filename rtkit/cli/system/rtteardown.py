@@ -39,7 +39,7 @@ def main(
     from rtkit.api.starting import teardown
 
     shared.watch(app, is_json=is_json)
-    document = read_document(app, asked.files, asked.mapped)
+    document = read_document(app, asked)
     if uninstalls and not ends:
         raise UsageProblem("--uninstall goes with --exit: what lives needs its package")
     plan, more = teardown(

@@ -63,6 +63,8 @@ class DocumentOptions(NamedTuple):
         strict: Nothing: the run knows.
         parameters: Nothing: the run knows the values and the prefix.
         mapped: ``HOST=HOST``: a host of the profile stands for another.
+        placed: ``COMPONENT=PLACE``: where components are to be instead.
+        left_out: Parts of the profile that are left out.
         files: The profile; none for stdin.
     """
 
@@ -72,6 +74,15 @@ class DocumentOptions(NamedTuple):
     mapped: tuple[str, ...] = several(
         "--map HOST=HOST",
         "A host of the profile stands for another, e.g. 10.0.0.7=localhost; repeatable.",
+    )
+    placed: tuple[str, ...] = several(
+        "--place COMPONENT=PLACE",
+        "A component is to be there instead: Motor0=/robot1/manager.mgr; repeatable.",
+    )
+    left_out: tuple[str, ...] = several(
+        "--without PART",
+        "Leave out a component, a connector (its id), or values: Motor0.default, 'Motor0.*';"
+        " repeatable.",
     )
     files: tuple[str, ...] = arguments("[FILE]")
 

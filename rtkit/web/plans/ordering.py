@@ -10,8 +10,11 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from rtkit.api.live_records import Record
-from rtkit.errors import Malformed, Refused
+from rtkit.api.system_profiles import load
+from rtkit.errors import InvalidDocument, Malformed, Refused
 from rtkit.profile.read import read_bytes, read_rts
+from rtkit.profile.rts_model import TargetPort
+from rtkit.profile.words import strip_instance
 from rtkit.profile_tools.ordering import NAMES, steps_in
 from rtkit.web.folders import granted
 from rtkit.web.live.steps import Action, CommandStep, list_in, text_in
@@ -29,7 +32,12 @@ def routes(site: WebSite) -> list[Route]:
 
 
 def _profile_record(file: str) -> Record:
-    profile = read_rts(read_bytes(file), file).profile
+    own = read_rts(read_bytes(file), file).profile
+    try:
+        profile = load(file).profile
+    except InvalidDocument:
+        profile = own  # variables have no values yet: they are given before a plan is made
+    connectors = (*profile.data_port_connectors, *profile.service_port_connectors)
     return {
         "components": [
             {
@@ -37,15 +45,28 @@ def _profile_record(file: str) -> Record:
                 "path": each.path_uri,
                 "host": each.path_uri.partition("/")[0],
                 "required": each.is_required,
+                "sets": [configuration.id for configuration in each.configuration_sets],
             }
             for each in profile.components
         ],
+        "connectors": [
+            {
+                "id": each.connector_id,
+                "text": f"{_end(each.source)} → {_end(each.target)}",
+                "ends": [each.source.instance_name, each.target.instance_name],
+            }
+            for each in connectors
+        ],
         "variables": [
             {"name": each.name, "default": each.default, "description": each.description or ""}
-            for each in profile.variables
+            for each in own.variables
         ],
-        "orders": {name: steps_in(profile, name) for name in NAMES},
+        "orders": {name: steps_in(own, name) for name in NAMES},
     }
+
+
+def _end(end: TargetPort) -> str:
+    return f"{end.instance_name}.{strip_instance(end.port_name, end.instance_name)}"
 
 
 def ordered(action: Action, folders: Sequence[str]) -> CommandStep:

@@ -413,6 +413,28 @@ def test_what_fails_in_a_restore_is_told_with_its_reason_as_json(console):
     assert console.run("rtstart --plan --json")[0] == 2
 
 
+def test_parts_are_left_out_of_a_plan(console):
+    out = console.run("rtplan --without Sink0 --without 'Source0.*'")[1]
+    assert "create Source0" in out
+    assert not any(word in out for word in ("Sink0", "connect", "gain"))
+    assert console.run("rtplan --without wire")[1].count("connect ") == 0
+    status, _, err = console.run("rtapply --prune --without Sink0")
+    assert (status, err) == (
+        2,
+        "rtapply: --prune would end what --without leaves out: give one of them\n",
+    )
+    assert console.run("rtapply --place Sink0=localhost/manager.mgr/t.mgr")[0] == 0
+    assert console.world.snapshot().component("Sink0").process == "t"
+
+
+def test_a_saved_plan_keeps_what_was_left_out(console, tmp_path):
+    saved = tmp_path / "saved.json"
+    assert console.run(f"rtplan --without Sink0 --out {saved}")[0] == 0
+    assert console.run("rtapply", saved)[0] == 0
+    assert console.world.snapshot().component("Sink0") is None
+    assert console.run("rtapply --without Sink0", saved)[0] == 2
+
+
 def test_dot_is_a_graph(console):
     status, out, _ = console.run("rtplan --dot")
     assert status == 0

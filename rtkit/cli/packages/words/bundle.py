@@ -42,7 +42,7 @@ def main(
     import tempfile
 
     from rtkit.api.states import with_chart
-    from rtkit.cli.system.document import read_document
+    from rtkit.cli.system.document import read_as_is
     from rtkit.packages.bundle import SUFFIX, write
     from rtkit.packages.bundling import gather
     from rtkit.packages.precheck import known_repositories
@@ -51,7 +51,7 @@ def main(
 
     if len(words) != 1:
         raise WrongArguments("takes a system profile")
-    document = with_chart(read_document(app, words))
+    document = with_chart(read_as_is(app, words))
     path = output or f"{os.path.splitext(words[0])[0]}{SUFFIX}"
     if not path.endswith(SUFFIX):
         raise WrongArguments(f"the name of a bundle ends in {SUFFIX}: {path}")

@@ -1,9 +1,12 @@
 import { useState } from 'react';
 
+import type { System } from '../../model/system';
 import type { Job } from '../../model/types';
 import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
-import { HostTable, type Mapping } from './HostTable';
+import { AS_IT_IS, HostTable, type Mapping } from './HostTable';
+import { PartTable } from './PartTable';
+import { withoutParts } from './parts';
 import type { Place } from './place';
 import { CheckList, CommandLine, StepTable } from './StepTable';
 import { DEEDS, FLAGS, STATES, type Deed, type Flag, type Plan, type PlanRequest } from './types';
@@ -16,13 +19,13 @@ const LIVE: readonly Deed[] = ['start', 'stop', 'take_down'];
 interface Shown { request: PlanRequest; plan: Plan }
 
 /** Chooses what to do, shows the plan of it, and has it done. */
-export function DoPanel({ texts, file, onGo }: { texts: PlanTexts; file: string; onGo: (to: Partial<Place>) => void }) {
+export function DoPanel({ texts, file, system, onGo }: { texts: PlanTexts; file: string; system: System; onGo: (to: Partial<Place>) => void }) {
   const { api, canChange } = useEditor();
   const deeds = file ? DEEDS : LIVE;
   const [deed, setDeed] = useState<Deed>(file ? 'apply' : 'start');
   const [flags, setFlags] = useState<readonly Flag[]>([]);
   const [state, setState] = useState<(typeof STATES)[number]>('active');
-  const [mapping, setMapping] = useState<Mapping>({ map: {}, set: {}, prefix: '' });
+  const [mapping, setMapping] = useState<Mapping>(AS_IT_IS);
   const { profile, problem: unread } = useProfile(file);
   const [shown, setShown] = useState<Shown | null>(null);
   const [isBusy, setBusy] = useState(false);
@@ -40,7 +43,9 @@ export function DoPanel({ texts, file, onGo }: { texts: PlanTexts; file: string;
     await work.catch((error: unknown) => setProblem(sentence(error)));
     setBusy(false);
   };
-  const request: PlanRequest = { do: deed, file, flags: flags.filter((flag) => FLAGS[deed].includes(flag)), ...(deed === 'apply' && { state }), ...(file && mapping) };
+  const { map, place, set, prefix, left } = mapping;
+  const placed = Object.fromEntries(Object.entries(place).filter(([name]) => !left.has(name)));
+  const request: PlanRequest = { do: deed, file, flags: flags.filter((flag) => FLAGS[deed].includes(flag)), ...(deed === 'apply' && { state }), ...(file && { map, place: placed, set, prefix, without: profile ? withoutParts(profile, left) : [] }) };
   const look = () => wait(api.post<Plan>('/api/plans/show', request).then((plan) => setShown({ request, plan })));
   const start = ({ request: asked, plan }: Shown) =>
     wait(api.post<Job>('/api/plans/start', { ...asked, shown: plan.steps.map((step) => step.text) }).then((job) => onGo({ tab: 'job', of: job.id })));
@@ -71,6 +76,7 @@ export function DoPanel({ texts, file, onGo }: { texts: PlanTexts; file: string;
             ))}
           </fieldset>
         )}
+        {profile && profile.components.length > 0 && <PartTable texts={texts} profile={profile} system={system} mapping={mapping} onChange={changed(setMapping)} />}
         {profile && <HostTable texts={texts} profile={profile} mapping={mapping} onChange={changed(setMapping)} />}
         {unread && <p className="error" role="alert">{unread}</p>}
         <div className="row">

@@ -1,14 +1,17 @@
+import type { LeftOut } from './parts';
 import type { Profile } from './types';
 import type { PlanTexts } from './usePlanTexts';
 
-export interface Mapping { map: Record<string, string>; set: Record<string, string>; prefix: string }
+/** How a profile is to be taken: other hosts, places and values, a prefix, and what is left out of it. */
+export interface Mapping { map: Record<string, string>; place: Record<string, string>; set: Record<string, string>; prefix: string; left: LeftOut }
+
+export const AS_IT_IS: Mapping = { map: {}, place: {}, set: {}, prefix: '', left: new Set() };
 
 interface Props { texts: PlanTexts; profile: Profile; mapping: Mapping; onChange: (mapping: Mapping) => void }
 
-/** Where components go: each host of the profile may stand for another one; values of variables; a prefix. */
+/** Each host of the profile may stand for another one; values of variables; a prefix. */
 export function HostTable({ texts, profile, mapping, onChange }: Props) {
-  const hosts = new Map<string, string>();
-  for (const { name, host } of profile.components) if (!hosts.has(host)) hosts.set(host, name);
+  const hosts = new Set(profile.components.map(({ host }) => host));
   const put = (key: 'map' | 'set', name: string, value: string) => {
     const rest = Object.fromEntries(Object.entries(mapping[key]).filter(([one]) => one !== name));
     onChange({ ...mapping, [key]: value ? { ...rest, [name]: value } : rest });
@@ -17,15 +20,11 @@ export function HostTable({ texts, profile, mapping, onChange }: Props) {
     <details className="hosts">
       <summary>{texts.hosts}</summary>
       <table>
-        <thead><tr><th>{texts.component}</th><th>{texts.from}</th><th>{texts.to}</th></tr></thead>
         <tbody>
-          {profile.components.map(({ name, path, host }) => (
-            <tr key={path}>
-              <th scope="row">{name}</th>
-              <td><code>{path}</code></td>
-              <td>{hosts.get(host) === name
-                ? <input type="text" aria-label={`${texts.to}: ${host}`} placeholder={host} value={mapping.map[host] ?? ''} onChange={(event) => put('map', host, event.target.value)} />
-                : <span className="note">{mapping.map[host] || host}</span>}</td>
+          {[...hosts].map((host) => (
+            <tr key={host}>
+              <th scope="row">{texts.host}: {host}</th><td />
+              <td><input type="text" aria-label={`${texts.to}: ${host}`} placeholder={host} value={mapping.map[host] ?? ''} onChange={(event) => put('map', host, event.target.value)} /></td>
             </tr>
           ))}
           {profile.variables.map(({ name, default: usual, description }) => (

@@ -48,7 +48,7 @@ export default function PlanRoom({ system, view }: RoomProps) {
         {problem && <p className="error" role="alert">{problem}</p>}
         {place.tab === 'job' ? (job ? <JobPanel key={job.id} texts={texts} job={job} onGo={go} /> : <p className="empty">{system.isKnown ? texts.noJob : texts.loading}</p>)
           : !isThere ? <p className="empty">{known ? texts.noFile(place.of) : texts.loading}</p>
-          : place.tab === 'do' ? <DoPanel key={place.of} texts={texts} file={place.of} onGo={go} />
+          : place.tab === 'do' ? <DoPanel key={place.of} texts={texts} file={place.of} system={system} onGo={go} />
           : !place.of ? <p className="empty">{texts.liveOnly}</p>
           : place.tab === 'compare' ? <ComparePanel key={view.of} texts={texts} place={place} files={known.files} onGo={go} />
           : <OrderPanel key={place.of} texts={texts} file={place.of} />}

@@ -18,7 +18,7 @@ export const STATES = ['active', 'inactive', 'any'] as const;
 /** What is asked for: no file means what lives now. */
 export interface PlanRequest {
   do: Deed; file: string; flags: Flag[]; state?: (typeof STATES)[number];
-  map?: Record<string, string>; set?: Record<string, string>; prefix?: string;
+  map?: Record<string, string>; place?: Record<string, string>; set?: Record<string, string>; prefix?: string; without?: string[];
 }
 
 export interface PlanStep {
@@ -36,7 +36,8 @@ export interface Plan {
 
 /** What a system profile says. */
 export interface Profile {
-  components: { name: string; path: string; host: string; required: boolean }[];
+  components: { name: string; path: string; host: string; required: boolean; sets: string[] }[];
+  connectors: { id: string; text: string; ends: string[] }[];
   variables: { name: string; default: string | null; description: string }[];
   orders: Record<string, string[]>;
 }
