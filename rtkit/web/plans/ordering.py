@@ -13,7 +13,7 @@ from rtkit.api.live_records import Record
 from rtkit.api.system_profiles import load
 from rtkit.errors import InvalidDocument, Malformed, Refused
 from rtkit.profile.read import read_bytes, read_rts
-from rtkit.profile.rts_model import TargetPort
+from rtkit.profile.rts_model import DataPortConnector, ServicePortConnector, TargetPort
 from rtkit.profile.words import strip_instance
 from rtkit.profile_tools.ordering import NAMES, steps_in
 from rtkit.web.folders import granted
@@ -37,7 +37,8 @@ def _profile_record(file: str) -> Record:
         profile = load(file).profile
     except InvalidDocument:
         profile = own  # variables have no values yet: they are given before a plan is made
-    connectors = (*profile.data_port_connectors, *profile.service_port_connectors)
+    connectors: list[DataPortConnector | ServicePortConnector]
+    connectors = [*profile.data_port_connectors, *profile.service_port_connectors]
     return {
         "components": [
             {
