@@ -207,6 +207,11 @@ class ExecutionContext:
         self._wake_if_possible()
         return ReturnCode.OK
 
+    def set_properties(self, properties: Mapping[str, str]) -> None:
+        """Replace the further properties; a thread takes them over, or one tries them."""
+        self.properties = properties
+        self._wake_if_possible()
+
     def add_component(self, component: DrivenComponent) -> ReturnCode:
         """Take a living component in, Inactive."""
         if any(each.component is component for each in self._participants):

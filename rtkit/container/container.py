@@ -36,6 +36,7 @@ from rtkit.guard import guarded, kind_and_text
 from rtkit.link.threads import start_thread
 from rtkit.logs.late import late
 from rtkit.property.exchange import NOT_BEGUN
+from rtkit.rtc.context_settings import SETTINGS
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.serde import encode
@@ -288,6 +289,8 @@ class ComponentContainer:
         if slot is not None:
             self._slots[key] = slot
             context.watch = slot.watch
+        if not context.properties.keys().isdisjoint(SETTINGS):
+            context.set_properties(context.properties)  # what the system refuses is told at once
 
     @contextmanager
     def _watched(self, name: str, callback: str) -> Iterator[None]:

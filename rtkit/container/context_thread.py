@@ -28,9 +28,11 @@ from rtkit.rtc.context_settings import (
     read_thread_settings,
 )
 
+OF_SOME = "ec."
+"""Prefix of settings of contexts of one name or type."""
+
 _log = late(__name__)
 _EVERY = "exec_cxt."
-_SOME = "ec."
 _USUAL_SLACK_NS = 50_000
 _LEAST_SWITCH_S = 100e-6
 _POLICIES = {
@@ -49,7 +51,7 @@ def check(options: Mapping[str, str]) -> None:
     """
     for key, text in options.items():
         setting = key.rpartition(".")[2]
-        is_of_contexts = key == _EVERY + setting or key.startswith(_SOME)
+        is_of_contexts = key == _EVERY + setting or key.startswith(OF_SOME)
         if setting in SETTINGS and is_of_contexts and text.strip():
             try:
                 check_setting(setting, text)

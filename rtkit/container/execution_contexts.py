@@ -15,10 +15,12 @@ from rtkit.component.context import ExecutionContext, always
 from rtkit.component.period import check_rate
 from rtkit.component.port import InPort
 from rtkit.container.composites import is_composite
+from rtkit.container.context_thread import OF_SOME, check
 from rtkit.container.operations import LATER, ContainerServices, Operations, answer_code, in_time
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.link.threads import start_thread
+from rtkit.rtc.context_settings import SETTINGS
 from rtkit.rtc.enums import LifeCycleState, ReturnCode, Transition
 
 if TYPE_CHECKING:
@@ -35,6 +37,7 @@ class ExecutionContexts:
         self.operations: Operations = {
             "change_state": self._change_state,
             "set_rate": self._set_rate,
+            "set_context": self._set_context,
             "tick": self._tick,
             "attach": self._attach,
             "detach": self._detach,
@@ -72,6 +75,20 @@ class ExecutionContexts:
                 f" its kind is {context.kind}"
             )
         context.set_rate(check_rate(message["rate"]))
+        for each in context.participants:
+            self._host.report(each)
+
+    def _set_context(self, message: Message) -> None:
+        component, context = self._of(message)
+        if context.owner != component.instance:
+            raise Refused(f"execution context {context.id} is one of {context.owner}: set it there")
+        settings = message["settings"]
+        check({f"{OF_SOME}{context.id}.{key}": text for key, text in settings.items()})
+        unknown = [key for key in settings if key not in SETTINGS]
+        if unknown:
+            raise Malformed(f"no setting of execution contexts: {', '.join(unknown)}")
+        whole = {**context.properties, **settings}
+        context.set_properties({key: text for key, text in whole.items() if text.strip()})
         for each in context.participants:
             self._host.report(each)
 

@@ -193,6 +193,20 @@ class SetRate:
 
 
 @dataclass(frozen=True, slots=True)
+class SetContext:
+    """Change settings of the thread that drives an execution context.
+
+    Attributes:
+        instance: The component that owns the context.
+        settings: By the keys of `rtkit.rtc.context_settings`; an empty one is taken away.
+    """
+
+    instance: str
+    context: str
+    settings: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
 class SetPolicy:
     """Change what is done about the end and the health of a component, which lives on.
 
@@ -265,6 +279,7 @@ Action = (
     | ActivateSet
     | ChangeState
     | SetRate
+    | SetContext
     | SetPolicy
     | Tick
     | Attach

@@ -145,6 +145,7 @@ def _contexts(facts: ComponentFacts) -> list[Shown]:
             _text(f"{path}.id", context.id),
             Shown(f"{path}.kind", Word(context.kind.name), _read_only("word")),
             Shown(f"{path}.rate", context.rate, spec, _rate(facts, context)),
+            *(_setting(f"{path}.{key}", facts, context, key) for key in _SETTINGS),
             Shown(f"{path}.missed", context.missed, _MISSED),
             _text(f"{path}.trouble", context.trouble),
             Shown(f"{path}.state", Word(context.state.name), _read_only("word")),
@@ -154,6 +155,18 @@ def _contexts(facts: ComponentFacts) -> list[Shown]:
             Shown(f"{path}.tick", "", _TICK, _tick(facts, context)),
         ]
     return shown
+
+
+def _setting(name: str, facts: ComponentFacts, context: ExecutionContextProfile, key: str) -> Shown:
+    """Return a setting of the thread of a context, which only its owner may change."""
+    text = context.properties.get(key, "")
+    if context.owner != facts.instance:
+        return _text(name, text)
+
+    def change(value: Content) -> Sequence[Action]:
+        return (_actions().SetContext(facts.instance, context.id, {key: str(value)}),)
+
+    return Shown(name, text, PropertySpec(parse_type("text"), doc=_SETTINGS[key]), change)
 
 
 def _participants(name: str, facts: ComponentFacts, context: ExecutionContextProfile) -> Shown:
@@ -175,6 +188,13 @@ def _participants(name: str, facts: ComponentFacts, context: ExecutionContextPro
     return Shown(name, value, PropertySpec(parse_type("list"), doc=doc), change)
 
 
+_SETTINGS = {
+    "sched_policy": "Scheduling of the thread: other, fifo or rr",
+    "priority": "Priority of the thread with fifo or rr, 1 to 99",
+    "cpu_affinity": "Processors of the thread, as 0,2-3",
+    "memory_lock": "YES: the process stays in RAM while the thread is at work",
+    "garbage_collector": "Of the process while the thread is at work: on, frozen, between, off",
+}
 _MISSED = PropertySpec(
     parse_type("integer"), "r", doc="Periods at which nothing was done, as of the last second"
 )

@@ -189,6 +189,7 @@ def test_what_the_system_refuses_is_told(shell: Any) -> None:
     load(shell)
     settings = "exec_cxt.priority=30&exec_cxt.memory_lock=YES"
     shell.ok(f"rtmgr -c 'Told?manager_name=s&{settings}' {MANAGER}")
+    until(lambda: "Trouble" in shell.ok("rtcat -l /localhost/Told0.rtc"), "no refusal is told")
     os.mkfifo(shell.folder / "state" / "diary")
     diary = os.open(shell.folder / "state" / "diary", os.O_RDWR)
     shell.ok("rtact /localhost/Told0.rtc")
@@ -207,6 +208,47 @@ def test_what_the_system_refuses_is_told(shell: Any) -> None:
     assert "rtprio 99" in finding["cure"]
     assert "memlock unlimited" in finding["cure"]
     assert locked_kb(told_pid(shell, "s")) == 0
+
+
+def policies(pid: int) -> set[tuple[int, int]]:
+    """Return scheduling policies and priorities of the threads of a process."""
+    found = set()
+    for thread in map(int, os.listdir(f"/proc/{pid}/task")):
+        try:
+            policy = os.sched_getscheduler(thread) & ~os.SCHED_RESET_ON_FORK
+            found.add((policy, os.sched_getparam(thread).sched_priority))
+        except ProcessLookupError:
+            continue
+    return found
+
+
+@is_real_time
+def test_settings_change_while_it_runs(tree: Tree, manager: Any) -> None:
+    load(manager)
+    make(tree, "Z", "conf.default.nap=0", "Sleeper")
+    change(tree, "Z", Transition.ACTIVATE)
+    pid, path = slave_pid(tree, "s"), "/localhost/Z.rtc.contexts.0"
+    for key, value, wanted in (
+        ("priority", "7", (os.SCHED_FIFO, 7)),
+        ("sched_policy", "rr", (os.SCHED_RR, 7)),
+        ("priority", "''", (os.SCHED_RR, 1)),
+        ("sched_policy", "''", None),
+    ):
+        manager.ok(f"rtset {path}.{key} {value}")
+        others = {(os.SCHED_OTHER, 0)}
+        expected = others | {wanted} if wanted else others
+        until(lambda expected=expected: policies(pid) == expected, f"{key} is not {value}")  # type: ignore[misc]
+    manager.ok(f"rtset {path}.memory_lock YES")
+    until(lambda: locked_kb(pid), "the memory is not locked")
+    facts = facts_of(tree, "Z")
+    assert facts.contexts[0].properties == {"memory_lock": "YES"}
+    assert "ec.0.memory_lock=YES" in facts.create
+    status, _, err = manager.run(f"rtset {path}.priority 100")
+    assert (status, "ec.0.priority: not a priority from 1 to 99: 100" in err) == (1, True)
+    assert facts_of(tree, "Z").contexts[0].properties == {"memory_lock": "YES"}
+    manager.ok("rtmgr restart")
+    assert manager.ok(f"rtget {path}.memory_lock").strip() == "YES"
+    until(lambda: locked_kb(told_pid(manager, "s")), "what was set is gone after a restart")
 
 
 def test_missed_periods_are_counted_and_told(tree: Tree, manager: Any) -> None:

@@ -42,6 +42,7 @@ _KINDS: Mapping[type, str] = {
     act.ActivateSet: "configure",
     act.RemoveSet: "configure",
     act.SetRate: "configure",
+    act.SetContext: "configure",
     act.SetPolicy: "configure",
 }
 _TRANSITIONS = {

@@ -79,6 +79,7 @@ OPERATIONS: Mapping[type[Action], str] = {
     act.ActivateSet: "activate_set",
     act.ChangeState: "change_state",
     act.SetRate: "set_rate",
+    act.SetContext: "set_context",
     act.Tick: "tick",
     act.SetStructure: "set_structure",
     act.SetEventProfiles: "set_events",

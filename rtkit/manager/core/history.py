@@ -113,6 +113,9 @@ def _asked(action: act.Action, instance: str) -> str:
             return f"activate set {action.set_id}"
         case act.SetRate():
             return f"rate {action.rate:g} Hz in {action.context}"
+        case act.SetContext():
+            values = " ".join(f"{key}={value}" for key, value in action.settings.items())
+            return f"context {action.context}: {values}"[:_MOST_TEXT]
         case act.Delete():
             return "exit"
     return type(action).__name__

@@ -81,6 +81,19 @@ def _share(state: ManagerState, action: act.Attach | act.Detach) -> Procedure:
     return (yield from _ask(state, action, action.owner))
 
 
+def _set_context(state: ManagerState, action: act.SetContext) -> Procedure:
+    """Change settings of a context, and with them the create string that tells them."""
+    instance = action.instance
+    yield from _ask(state, action, instance)
+    facts = state.components[instance]
+    if facts.create:
+        stated = {f"ec.{action.context}.{key}": text for key, text in action.settings.items()}
+        create = str(parse_create(facts.create).with_options(**stated))
+        state.update(instance, create=create)
+        state.kept.change(instance, create=create)
+    return (yield from remember(state, instance))
+
+
 def _configure(state: ManagerState, action: act.SetParameters | act.ActivateSet) -> Procedure:
     """Change settings; those that a component does not take over in time are as they were."""
     instance, set_id = action.instance, action.set_id
@@ -451,6 +464,7 @@ _PROCEDURES: Mapping[type[Action], Callable[[ManagerState, Any], Procedure]] = {
     act.RemoveSet: _pass_on,
     act.ChangeState: change_state,
     act.SetRate: _pass_on,
+    act.SetContext: _set_context,
     act.Tick: _pass_on,
     act.SetStructure: _pass_on,
     act.SetEventProfiles: _pass_on,

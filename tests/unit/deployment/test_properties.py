@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.deployment.actions import ActivateSet, Attach, ChangeState, SetParameters, SetRate, Tick
+from rtkit.deployment.actions import (
+    ActivateSet,
+    Attach,
+    ChangeState,
+    SetContext,
+    SetParameters,
+    SetRate,
+    Tick,
+)
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.deployment.properties import Shown, of_component, of_manager
 from rtkit.property.codes import PropertyError
 from rtkit.property.values import Word
+from rtkit.rtc.context_settings import SETTINGS
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, PortType, Transition
 from rtkit.rtc.profiles import (
     ConnectorProfile,
@@ -78,6 +87,8 @@ def test_what_is_set_becomes_an_action() -> None:
     )
     assert asked("active_set", Word("careful")) == (ActivateSet("M0", "careful"),)
     assert asked("contexts.0.rate", 5) == (SetRate("M0", "0", 5.0),)
+    for key in SETTINGS:
+        assert asked(f"contexts.0.{key}", "7") == (SetContext("M0", "0", {key: "7"}),)
     guests = asked("contexts.0.participants", (Word("A0"), "B"))
     assert guests == (Attach("M0", "0", "A0"), Attach("M0", "0", "B"))
     assert asked("contexts.0.tick", 2) == (Tick("M0", "0"),) * 2

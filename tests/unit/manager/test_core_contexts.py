@@ -8,6 +8,7 @@ from rtkit.deployment.actions import (
     Attach,
     ChangeState,
     Detach,
+    SetContext,
     SetEventProfiles,
     SetRate,
     SetStructure,
@@ -20,6 +21,10 @@ from rtkit.rtc.enums import Transition
 @pytest.mark.parametrize(
     ("action", "message"),
     [
+        (
+            SetContext("A", "0", {"priority": "9"}),
+            {"op": "set_context", "context": "0", "settings": {"priority": "9"}},
+        ),
         (SetRate("A", "0", 5.0), {"op": "set_rate", "context": "0", "rate": 5.0}),
         (Tick("A", "x"), {"op": "tick", "context": "x"}),
         (

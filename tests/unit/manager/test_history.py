@@ -88,6 +88,10 @@ def test_what_changed_in_a_profile_is_told_with_its_composite():
         (asked(act.SetParameters("A0", "s", {"a": "1"})), ("ASKED", "", "set s: a=1")),
         (asked(act.ActivateSet("A0", "s")), ("ASKED", "", "activate set s")),
         (asked(act.SetRate("A0", "0", 5.0)), ("ASKED", "", "rate 5 Hz in 0")),
+        (
+            asked(act.SetContext("A0", "0", {"priority": "9"})),
+            ("ASKED", "", "context 0: priority=9"),
+        ),
         (asked(act.Delete("A0")), ("ASKED", "", "exit")),
         (asked(act.Delete("B")), None),
         (asked(act.Tick("A0", "0")), None),

@@ -33,6 +33,7 @@ ROLES: list[tuple[Action, str, str]] = [
     (act.ActivateSet("Arm0", "fast"), "operator", "activate set Arm0"),
     (act.ChangeState("Arm0", "0", Transition.RESET), "operator", "reset Arm0"),
     (act.SetRate("Arm0", "0", 10.0), "operator", "set rate Arm0"),
+    (act.SetContext("Arm0", "0", {"priority": "9"}), "administrator", "set context Arm0"),
     (act.SetPolicy("Arm0"), "administrator", "set policy Arm0"),
     (act.Tick("Arm0", "0"), "operator", "tick Arm0"),
     (act.Attach("A", "0", "B"), "administrator", "attach A"),
