@@ -107,6 +107,8 @@ def header(state: ManagerState, why: str) -> dict[str, str]:
         "pid": str(state.pid),
         "rtkit": state.version,
         "time": time.strftime("%Y-%m-%d %H:%M:%S %z"),
+        "clock": repr(time.time()),
+        "monotonic": repr(time.monotonic()),
         "why": why,
     }
 

@@ -18,6 +18,7 @@ from rtkit.tree.subscription import SubscriptionEnded
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
+    from rtkit.deployment.user_events import UserEvent
 
 _REST = 4.0
 """After a look at a large system changes are gathered for so many times what the look took."""
@@ -37,6 +38,14 @@ class FeedUpdate(NamedTuple):
     managers: Sequence[KnownManager]
     events: Sequence[Record]
     rates: Record | None
+
+
+class SeenAt(NamedTuple):
+    """Place of a manager, as `KnownManager` has it."""
+
+    name: str
+    place: str
+    is_usual: bool
 
 
 class SystemFeed:
@@ -131,16 +140,9 @@ class SystemFeed:
         elif isinstance(event, SubscriptionEnded):
             self._note_end(name, event)
         else:
-            known = observers.names[name], observers.places[name]
+            where = SeenAt(observers.names[name], observers.places[name], not name)
             for each in event.user_events:
-                yield {
-                    "time": event.time,
-                    "kind": each.kind,
-                    "path": place_of(known[0], each, self._host, is_usual=not name, local=known[1]),
-                    "subject": each.subject,
-                    "event": each.event,
-                    "detail": each.detail,
-                }
+                yield event_record(each, event.time, where, self._host)
 
     def _note_end(self, name: str, end: SubscriptionEnded) -> None:
         self._raters.pop(name, None)
@@ -190,3 +192,16 @@ class SystemFeed:
             "components": components,
             "connectors": {id: {"hz": written[end]} for id, end in ends if end in written},
         }
+
+
+def event_record(event: UserEvent, time: float, where: SeenAt, host: str) -> Record:
+    """Return an event of a manager as ``rtwatch --json`` has it."""
+    is_usual, local = where.is_usual, where.place
+    return {
+        "time": time,
+        "kind": event.kind,
+        "path": place_of(where.name, event, host, is_usual=is_usual, local=local),
+        "subject": event.subject,
+        "event": event.event,
+        "detail": event.detail,
+    }

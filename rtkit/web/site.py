@@ -42,6 +42,7 @@ class WebSite:
         events: The last ones, with their times.
         closers: Called, one after the other, before the server ends.
         past: The changes that have led here.
+        when_begun: Called once the first look has found something.
     """
 
     def __init__(
@@ -65,6 +66,7 @@ class WebSite:
         self.events: deque[Record] = deque(maxlen=_KEPT_EVENTS)
         self.closers: list[Callable[[], Awaitable[object]]] = [self.jobs.close, self.audit.close]
         self.past = KeptChanges()
+        self.when_begun: list[Callable[[], object]] = []
         self._is_begun = False
 
     @property
@@ -102,11 +104,18 @@ class WebSite:
         change_record = {
             "revision": self.revision, **fresh, "gone": change.gone, "events": list(update.events),
         }  # fmt: skip
-        if is_first:  # what was before the first look is not known
+        if is_first:
             change_record["time"] = self.past.begin(update.records, self.revision)
+            for call in self.when_begun:
+                call()
         else:
             self.past.stamp(change_record)
         return change_record
+
+    def add_earlier(self, events: Sequence[Record]) -> None:
+        """Know events that happened before all others, as far as there is room."""
+        room = _KEPT_EVENTS - len(self.events)
+        self.events.extendleft(reversed(events[-room:] if room else ()))
 
     def picture(self) -> Record:
         """Return everything that is known now."""

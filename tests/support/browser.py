@@ -56,7 +56,7 @@ class Browser:
         self.is_known = True
         self.asked = 0
         self._id = 0
-        self._is_saved = False
+        self._saved, self._known = set[str](), set[str]()
         self._session = ""
         target = self._do("Target.createTarget", url="about:blank")["targetId"]
         attached = self._do("Target.attachToTarget", targetId=target, flatten=True)
@@ -180,9 +180,10 @@ class Browser:
                  eventsEnabled=True)  # fmt: skip
 
     def saved(self) -> None:
-        """Wait until a download is whole."""
-        while not self._is_saved:
+        """Wait until the download that was begun last is whole."""
+        while self._saved <= self._known:
             self._answer(self._next())
+        self._known |= self._saved
 
     def look(self, *, is_dark: bool) -> None:
         """Have the page light or dark."""
@@ -239,7 +240,8 @@ class Browser:
         if message.get("method") == "Fetch.requestPaused":
             self._send("Fetch.continueRequest", requestId=about["requestId"])
         elif message.get("method", "").endswith(".downloadProgress"):
-            self._is_saved = about["state"] == "completed"
+            if about["state"] == "completed":
+                self._saved.add(about["guid"])
         elif message.get("method") == "Fetch.authRequired":
             assert about["authChallenge"]["scheme"] == "digest"
             self.asked += 1

@@ -123,19 +123,46 @@ def test_a_recording_is_a_job_until_it_is_stopped(
         assert outside.status == 409
 
 
+def came_in(past: dict[str, Any], id: str) -> Any:
+    """Return the first change by which a component came, None if it has not."""
+    changes = (each for each in past["changes"] if any(c["id"] == id for c in each["components"]))
+    return next(changes, None)
+
+
+def test_the_past_reaches_back_to_what_the_manager_still_holds(flow: Shell) -> None:
+    early = "/localhost/Early0.rtc"
+    flow.ok("rtmgr -c 'ConfigSample?instance_name=Early0' /localhost/manager.mgr")
+    flow.ok(f"rtexit {early}")
+    with served(flow) as client, client.stream() as stream:
+        began = stream.next("picture")["since"]
+        past = client.ask("GET", "/api/past").body
+        while (came := came_in(past, early)) is None:
+            assert stream.next("past")["since"] < began
+            past = client.ask("GET", "/api/past").body
+        assert past["since"] <= came["time"] < began
+        assert past["picture"]["components"] == []
+        events = client.ask("GET", "/api/events").body["events"]
+        about = [each["event"] for each in events if each["path"] == early]
+        assert about == ["APPEARED", "VANISHED"]
+        export = "/api/export?form=text"
+        assert "Early0" in client.ask("GET", f"{export}&at={came['time']}").body
+        assert "Early0" not in client.ask("GET", export).body
+        unknown = client.ask("GET", f"{export}&at=12")
+        assert unknown.status == 404
+        assert "is not known" in unknown.body["error"]["text"]
+        assert client.ask("GET", f"{export}&at=then").status == 400
+
+
 def test_the_past_is_kept_as_pages_were_told(client: WebClient, flow: Shell) -> None:
     with client.stream() as stream:
         picture = stream.next("picture")
-        moment = client.ask("GET", "/api/past").body["since"]
         flow.ok("rtmgr -c 'ConfigSample?instance_name=Brief0' /localhost/manager.mgr")
         stream.until(lambda s: "/localhost/Brief0.rtc" in s.components)
         flow.ok("rtexit /localhost/Brief0.rtc")
         stream.until(lambda s: "/localhost/Brief0.rtc" not in s.components)
     past = client.ask("GET", "/api/past").body
-    assert past["since"] == moment <= picture["components"][0]["since"] + 3600
-    came = next(each for each in past["changes"] if any(
-        one["id"] == "/localhost/Brief0.rtc" for one in each["components"]
-    ))  # fmt: skip
+    assert past["since"] <= picture["since"]
+    came = came_in(past, "/localhost/Brief0.rtc")
     went = next(
         each for each in past["changes"] if "/localhost/Brief0.rtc" in each["gone"]["components"]
     )

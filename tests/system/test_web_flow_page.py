@@ -100,7 +100,9 @@ def test_a_value_is_checked_while_it_is_typed_and_written(page: browser.Browser)
     page.wait_for(has_text(".port-values .value", "vx=0.25"))
 
 
-def test_the_time_line_leads_to_a_past_moment_and_back(page: browser.Browser, flow: Shell) -> None:
+def test_the_time_line_leads_to_a_past_moment_and_back(
+    page: browser.Browser, flow: Shell, folder: Path
+) -> None:
     brief = f'{NODE}[data-id="/localhost/Brief0.rtc"]'
     show(page, "#", ".time-line input")
     flow.ok("rtmgr -c 'ConfigSample?instance_name=Brief0' /localhost/manager.mgr")
@@ -115,6 +117,13 @@ def test_the_time_line_leads_to_a_past_moment_and_back(page: browser.Browser, fl
     page.wait_for(is_there(".is-past .stage"))
     # Nothing flows in the past, and nothing of it is changed.
     assert page.evaluate("document.querySelector('.wire text.value')") is None
+    page.save_to(str(folder))
+    page.press("Export …")
+    page.wait_for(has_text("dialog", "The system as it was at"))
+    page.press("dot")
+    page.saved()
+    (saved,) = folder.glob("*.dot")
+    assert "Brief0" in saved.read_text("utf-8")
     show(page, "#select=/localhost/Brief0.rtc", ".inspector .buttons button")
     assert page.evaluate(
         "[...document.querySelectorAll('.inspector .buttons button')]"
@@ -140,14 +149,33 @@ def test_logs_are_followed_and_filtered(page: browser.Browser, folder: Path) -> 
         " && document.querySelector('.log .message') !== null"
     )
     page.save_to(str(folder))
-    page.press("Save …")
+    page.press("Save as text …")
     page.saved()
     (saved,) = folder.glob("*-log.txt")
     assert all(line.endswith("ready") for line in saved.read_text("utf-8").splitlines())
+    page.press("Save …")
+    page.saved()
     page.press("Clear")
     page.wait_for(has_text(".log [role=status]", "0 of 0"))
     page.press("Stop")
     page.wait_for(has_text(".log header", "Start"))
+    (saved,) = folder.glob("*-log.jsonl")
+    count = len(saved.read_text("utf-8").splitlines())
+    open_file(page, "mine.jsonl", saved.read_text("utf-8") + "cut of\n")
+    page.wait_for(has_text(".log", "Records of mine.jsonl. One line is no record."))
+    page.wait_for(has_text(".log [role=status]", f"{count} of {count}"))
+    open_file(page, "other.jsonl", "hello\n")
+    page.wait_for(has_text(".log [role=alert]", "no records of a log"))
+
+
+def open_file(page: browser.Browser, name: str, text: str) -> None:
+    """Have the user choose a file."""
+    page.evaluate(f"""(() => {{
+        const data = new DataTransfer(), field = document.querySelector('.log input[type=file]');
+        data.items.add(new File([{json.dumps(text)}], {json.dumps(name)}));
+        field.files = data.files;
+        field.dispatchEvent(new Event('change', {{bubbles: true}}));
+    }})()""")
 
 
 def test_the_picture_is_saved_as_png(page: browser.Browser, folder: Path) -> None:

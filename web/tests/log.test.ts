@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 
-import { lineOf, newGroup, newTerm, noFilter, replaced, testOf, type LogRecord, type Term } from '../src/model/logFilter';
+import { lineOf, newGroup, newTerm, noFilter, recordsIn, replaced, testOf, type LogRecord, type Term } from '../src/model/logFilter';
 
 const record = (message: string, more: Partial<LogRecord> = {}): LogRecord => ({
   time: '2026-11-28T12:00:00.000000Z', level: 'INFO', manager: 'manager', process: 'eyes', component: 'Camera0', pid: 7, host: 'localhost', source: 'rtkit', message, exception: '', ...more,
@@ -46,5 +46,20 @@ describe('a filter of the log', () => {
   });
   it('saves a record as a line', () => {
     expect(lineOf(record('m', { level: 'WARN', component: '' }))).toBe('2026-11-28T12:00:00.000000Z  WARN   localhost/manager  eyes  7  m');
+  });
+});
+
+describe('a log that was saved', () => {
+  it('is read as it was, and lines that are no records are counted', () => {
+    const saved = [record('one'), record('two', { exception: 'Traceback' })];
+    const text = saved.map((one) => JSON.stringify(one)).join('\n');
+    expect(recordsIn(`${text}\n{"time": "cut of\n[]\n`)).toEqual({ records: saved, bad: 2 });
+  });
+  it('may be that of a manager', () => {
+    const { records } = recordsIn('{"time": "2026-11-28T22:00:00.000000Z", "level": "INFO", "process": "manager", "pid": 7, "logger": "rtkit", "message": "ready"}\n');
+    expect(records[0]).toMatchObject({ message: 'ready', source: 'rtkit', pid: 7, component: '' });
+  });
+  it('is nothing else', () => {
+    expect(() => recordsIn('hello\n')).toThrow('no records');
   });
 });

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from time import time
 from typing import TYPE_CHECKING
 
@@ -39,6 +39,7 @@ class KeptChanges:
         self._changes: deque[tuple[float, bytes]] = deque()
         self._bytes = 0
         self._last = self.since
+        self._has_forgotten = False
 
     def begin(self, records: SystemRecords, revision: int) -> float:
         """Begin with what is found by the first look; return its time."""
@@ -55,15 +56,40 @@ class KeptChanges:
         text = json.dumps(change, allow_nan=False).encode()
         self._changes.append((self._last, text))
         self._bytes += len(text)
+        self._bound()
+
+    def _bound(self) -> None:
         while len(self._changes) > self._most or self._bytes > self._most_bytes:
             self._forget()
 
     def _forget(self) -> None:
+        self._has_forgotten = True
         self.since, text = self._changes.popleft()
         self._bytes -= len(text)
         change = json.loads(text)
         self.revision = change["revision"]
         _apply(change, self.before)
+
+    def reach_back(self, since: float, before: SystemRecords, changes: Sequence[Record]) -> bool:
+        """Know what was before the first look, too; return whether that still fits to what is kept.
+
+        Args:
+            since: The first moment that is known then [s since 1970].
+            before: What was at that moment.
+            changes: All until the first look, with their times; they lead to what that has found.
+        """
+        if self._has_forgotten:
+            return False
+        first = self.revision - len(changes)
+        texts = []
+        for number, change in enumerate(changes, first + 1):
+            numbered = {"revision": number, **change}
+            texts.append((change["time"], json.dumps(numbered, allow_nan=False).encode()))
+        self._changes.extendleft(reversed(texts))
+        self._bytes += sum(len(text) for _, text in texts)
+        self.since, self.before, self.revision = since, before, first
+        self._bound()
+        return True
 
     def at(self, moment: float) -> SystemRecords:
         """Return what was at a moment [s since 1970]."""

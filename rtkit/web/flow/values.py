@@ -129,7 +129,7 @@ class PortFollower:
             known = next((each for each in self._site.managers if each.id == manager), None)
             if known is None:
                 return
-            await asyncio.to_thread(self._connect, manager, _address(known))
+            await asyncio.to_thread(self._connect, manager, address_of(known))
         tree = self._trees.get(manager)
         if tree is None:
             return
@@ -145,7 +145,7 @@ class PortFollower:
             self._site.pages.send_values(news)
 
 
-def _address(manager: KnownManager) -> str:
+def address_of(manager: KnownManager) -> str:
     """Return what `connect` takes for a manager."""
     if is_address(manager.place):
         return manager.place

@@ -10,7 +10,7 @@ from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 
 from rtkit.api.asked import Ask
-from rtkit.api.live_records import Record
+from rtkit.api.live_records import Record, SystemRecords
 from rtkit.api.live_scene import drawing_of
 from rtkit.drawing.export import FORMS, exported
 from rtkit.errors import Malformed, NotFound
@@ -50,9 +50,7 @@ class _SystemRoom:
         folded, moment = list_in(body, "folded"), body.get("at")
         if moment is not None and (isinstance(moment, bool) or not isinstance(moment, int | float)):
             raise Malformed("at: a time is wanted [s since 1970]")
-        revision, records = self._site.revision, self._site.records
-        if moment is not None:
-            records = self._site.past.at(moment)
+        revision, records = self._site.revision, self._records_at(moment)
         if "shown" in body:
             records = part_of(records, frozenset(list_in(body, "shown")))
         layout = await asyncio.to_thread(arranged, records, folded)
@@ -75,6 +73,10 @@ class _SystemRoom:
         done += [shown(each) for each in steps[len(done) :]]
         return JSONResponse(_outcome(done, steps))
 
+    def _records_at(self, moment: float | None) -> SystemRecords:
+        """Return what was at a moment [s since 1970], what is for None."""
+        return self._site.records if moment is None else self._site.past.at(moment)
+
     def _value_of(self, target: str) -> str | bytes:
         return self._site.client.payload(Ask(target), _BOUND_S)
 
@@ -96,17 +98,31 @@ class _SystemRoom:
         form = request.query_params.get("form", "svg")
         if form not in FORMS:
             raise Malformed(f"form: {', '.join(FORMS)}, not {form!r}")
-        text = exported(drawing_of(self._site.records).scene, form, self._site.host)
+        moment = _time_in(request, "at") if "at" in request.query_params else None
+        since = self._site.past.since
+        if moment is not None and moment < since:
+            raise NotFound(f"at: what was before {since:.3f} is not known")
+        text = exported(drawing_of(self._records_at(moment)).scene, form, self._site.host)
         return PlainTextResponse(text, media_type=_TYPES.get(form, "text/plain"))
 
     async def events(self, request: Request) -> Response:
-        try:
-            since = float(request.query_params.get("since", "0"))
-        except ValueError:
-            since = math.nan
-        if not math.isfinite(since):
-            raise Malformed("since: a time is wanted [s since 1970]")
+        since = _time_in(request, "since")
         return JSONResponse({"events": [e for e in self._site.events if e["time"] >= since]})
+
+
+def _time_in(request: Request, key: str) -> float:
+    """Return a time that a request names, 0 where it names none [s since 1970].
+
+    Raises:
+        Malformed: It is none.
+    """
+    try:
+        time = float(request.query_params.get(key, "0"))
+    except ValueError:
+        time = math.nan
+    if not math.isfinite(time):
+        raise Malformed(f"{key}: a time is wanted [s since 1970]")
+    return time
 
 
 def _outcome(done: list[Record], steps: list[CommandStep]) -> Record:

@@ -75,3 +75,31 @@ def test_times_do_not_run_backwards() -> None:
         past.stamp(change)
         times.append(change["time"])
     assert times == [past.since + 5, past.since + 5]
+
+
+def test_an_earlier_past_is_put_before_what_is_kept() -> None:
+    whole, later = KeptChanges(), KeptChanges()
+    known = told(whole, 50)
+    answer = json.loads(b"".join(whole.pieces({})))
+    begun, first_look = known[29]
+    later.begin(first_look, 30)
+    later.since = begun
+    for change in answer["changes"][30:]:
+        later.stamp(change)
+    changes = answer["changes"][:30]
+    for each in changes:
+        del each["revision"]
+    assert later.reach_back(whole.since, whole.before, changes)
+    assert later.since == whole.since
+    for time_s, records in known:
+        assert later.at(time_s) == records
+    told_then = json.loads(b"".join(later.pieces({})))
+    assert [each["revision"] for each in told_then["changes"]] == list(range(1, 51))
+    assert told_then["picture"]["revision"] == 0
+
+
+def test_an_earlier_past_that_no_longer_fits_is_left() -> None:
+    past = KeptChanges(most=10)
+    known = told(past, 50)
+    assert not past.reach_back(0.0, SystemRecords.nothing(), [])
+    assert past.at(known[45][0]) == known[45][1]

@@ -9,8 +9,8 @@ import { ModulesDialog } from './ModulesDialog';
 import { SetDialog } from './SetDialog';
 import { StartDialog } from './StartDialog';
 
-/** The dialog that is open, of those that ask for what an action needs. */
-export function Dialogs({ dialog, system }: { dialog: Dialog | null; system: System }) {
+/** The dialog that is open, of those that ask for what an action needs; `at` is the past moment that is shown, null for the present. */
+export function Dialogs({ dialog, system, at }: { dialog: Dialog | null; system: System; at: number | null }) {
   switch (dialog?.kind) {
     case 'connect': return <ConnectDialog system={system} component={dialog.component} from={dialog.from} to={dialog.to} />;
     case 'create': return <CreateDialog system={system} manager={dialog.manager} slave={dialog.slave} />;
@@ -19,7 +19,7 @@ export function Dialogs({ dialog, system }: { dialog: Dialog | null; system: Sys
     case 'start': return <StartDialog />;
     case 'set': return <SetDialog system={system} asked={dialog} />;
     case 'compose': return <ComposeDialog system={system} members={dialog.members} />;
-    case 'export': return <ExportDialog host={system.host} />;
+    case 'export': return <ExportDialog host={system.host} at={at} />;
     default: return null;
   }
 }

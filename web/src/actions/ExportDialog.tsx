@@ -3,6 +3,7 @@ import { useState } from 'react';
 import { EXPORT_FORMS, type ExportForm } from '../model/types';
 import { Modal } from '../parts/Modal';
 import { download } from '../parts/download';
+import { clock } from '../parts/numbers';
 import { pngOf } from '../parts/raster';
 import { sentence } from '../server/api';
 import { useEditor } from '../shell/contexts';
@@ -12,16 +13,17 @@ import { useTexts } from '../texts';
 const FORMS = ['png', ...EXPORT_FORMS] as const;
 const ENDINGS: Record<ExportForm | 'png', string> = { png: 'png', svg: 'svg', dot: 'dot', mermaid: 'mmd', text: 'txt' };
 
-/** Saves the picture of the whole system, by the exporter of `rtcryo` and `rtstodot`; or prints the page. */
-export function ExportDialog({ host }: { host: string }) {
+/** Saves the picture of the whole system as it is, or was at a moment, by the exporter of `rtcryo` and `rtstodot`; or prints the page. */
+export function ExportDialog({ host, at }: { host: string; at: number | null }) {
   const texts = useTexts();
   const { api, open } = useEditor();
   const [problem, setProblem] = useState('');
   const close = () => open(null);
   const save = async (form: ExportForm | 'png') => {
     try {
-      const content = form === 'png' ? await pngOf(await api.exported('svg')) : await api.exported(form);
-      download(content, `${host}.${ENDINGS[form]}`);
+      const content = form === 'png' ? await pngOf(await api.exported('svg', at)) : await api.exported(form, at);
+      const moment = at === null ? '' : `-${new Date(at * 1000).toISOString().slice(0, 19).replaceAll(':', '')}Z`;
+      download(content, `${host}${moment}.${ENDINGS[form]}`);
       close();
     } catch (error) {
       setProblem(sentence(error));
@@ -34,6 +36,7 @@ export function ExportDialog({ host }: { host: string }) {
   };
   return (
     <Modal title={texts.exporting.title} className="export" onClose={close}>
+      {at !== null && <p>{texts.exporting.asOf(clock(at, true))}</p>}
       <ul>
         {FORMS.map((form) => <li key={form}><button type="button" onClick={() => void save(form)}>{texts.exporting.forms[form]}</button><span className="note">{texts.exporting.hints[form]}</span></li>)}
         <li><button type="button" onClick={print}>{texts.exporting.print}</button><span className="note">{texts.exporting.printHint}</span></li>

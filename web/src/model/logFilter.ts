@@ -3,6 +3,30 @@ export interface LogRecord {
   time: string; level: string; manager: string; process: string; component: string; pid: number; host: string; source: string; message: string; exception: string;
 }
 
+/** The records in a file: of `rtvlog --json`, of this page, or the log of a manager; `bad` is the number of lines that are none. */
+export function recordsIn(text: string): { records: LogRecord[]; bad: number } {
+  const lines = text.split('\n').filter((line) => line.trim());
+  const records = lines.flatMap((line) => recordOf(line) ?? []);
+  if (!records.length) throw new Error('This file has no records of a log: each line is one as “rtvlog --json” writes it.');
+  return { records, bad: lines.length - records.length };
+}
+
+function recordOf(line: string): LogRecord | null {
+  let read: unknown;
+  try {
+    read = JSON.parse(line);
+  } catch {
+    return null;
+  }
+  if (typeof read !== 'object' || read === null || !('time' in read) || !('message' in read) || Number.isNaN(Date.parse(String(read.time)))) return null;
+  const fields = read as Record<string, unknown>;
+  const text = (key: string): string => (typeof fields[key] === 'string' ? fields[key] : '');
+  return {
+    time: text('time'), level: text('level'), manager: text('manager'), process: text('process'), component: text('component'), pid: Number(fields['pid'] ?? 0),
+    host: text('host'), source: text('source') || text('logger'), message: text('message'), exception: text('exception'),
+  };
+}
+
 export const FIELDS = ['any', 'message', 'level', 'name', 'manager', 'host', 'pid', 'source'] as const;
 export type Field = (typeof FIELDS)[number];
 

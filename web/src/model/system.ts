@@ -26,6 +26,7 @@ export type SystemEvent =
   | { kind: 'change'; change: Change }
   | { kind: 'rates'; rates: Rates }
   | { kind: 'job'; news: JobNews }
+  | { kind: 'past'; since: number }
   | { kind: 'events'; events: TreeEvent[] };
 
 /** So many events are kept for the strip; the server keeps the rest. */
@@ -49,6 +50,8 @@ export function reduceSystem(system: System, event: SystemEvent): System {
       return { ...system, rates: event.rates };
     case 'job':
       return { ...system, jobs: new Map([...system.jobs, [event.news.id, jobOf(event.news)]]) };
+    case 'past':
+      return { ...system, since: event.since };
     case 'events':
       return { ...system, events: [...event.events, ...newer(system.events, event.events)].slice(-EVENTS_KEPT) };
   }

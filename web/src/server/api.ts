@@ -24,7 +24,8 @@ export interface Api {
   events: () => Promise<TreeEvent[]>;
   offers: (manager: string) => Promise<Offers>;
   files: () => Promise<Files>;
-  exported: (form: ExportForm) => Promise<Blob>;
+  /** `at` is a past moment, null for the present. */
+  exported: (form: ExportForm, at: number | null) => Promise<Blob>;
 }
 
 /** `page` is the id by which the server knows this page, and by which changes are told apart. */
@@ -43,7 +44,7 @@ export function createApi(token: string, page: string): Api {
     connectable: async (port) => (await get<{ ports: Connectable[] }>(`/api/connectable?port=${encodeURIComponent(port)}`)).ports,
     offers: (manager) => get<Offers>(`/api/offers?manager=${encodeURIComponent(manager)}`),
     files: () => get<Files>('/api/files'),
-    exported: async (form) => (await answered(`/api/export?form=${form}`, { headers })).blob(),
+    exported: async (form, at) => (await answered(`/api/export?form=${form}${at === null ? '' : `&at=${at}`}`, { headers })).blob(),
     events: async () => (await get<{ events: TreeEvent[] }>('/api/events?since=0')).events,
   };
 }

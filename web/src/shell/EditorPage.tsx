@@ -126,7 +126,7 @@ export function EditorPage({ token, settings, onDenied }: Props) {
         </div>
         {dialog?.kind === 'palette' && <Palette system={system} given={{ system, view, selected, history, settings, onMove: move, onConnect: connect, onRemove: remove }} />}
         {dialog?.kind === 'keys' && <KeysDialog />}
-        <Dialogs dialog={dialog} system={system} />
+        <Dialogs dialog={dialog} system={system} at={isPast ? past.time : null} />
         {asked && <PlanDialog asked={asked} />}
         <ToastList toasts={toasts} onUndo={() => void move('undo')} />
         <LiveRegion components={live.components} isKnown={live.isKnown} />

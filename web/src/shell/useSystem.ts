@@ -25,6 +25,7 @@ export function useSystem(token: string, api: Api, subscriptions: Subscriptions,
         else if (event === 'change') dispatch({ kind: 'change', change: record as Change });
         else if (event === 'rates') dispatch({ kind: 'rates', rates: record as Rates });
         else if (event === 'job') dispatch({ kind: 'job', news: record as JobNews });
+        else if (event === 'past') dispatch({ kind: 'past', since: (record as { since: number }).since });
         else if (event === 'notice') onNotice(record as Notice);
         if (event === 'values') values.take((record as { values: Record<string, Sample> }).values);
         if (event === 'picture') values.begin();
@@ -35,10 +36,12 @@ export function useSystem(token: string, api: Api, subscriptions: Subscriptions,
   }, [token, subscriptions, values, onNotice]);
   useEffect(() => {
     // The stream tells what happens from now on; what happened before is a call of its own.
-    api.events().then(
+    const load = () => void api.events().then(
       (events) => dispatch({ kind: 'events', events }),
       (error: unknown) => onNotice({ level: 'warning', text: sentence(error) }),
     );
-  }, [api, onNotice]);
+    load();
+    return subscriptions.listen('past', load);
+  }, [api, subscriptions, onNotice]);
   return { system, link, lostAt };
 }

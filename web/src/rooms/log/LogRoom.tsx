@@ -1,6 +1,6 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 
-import { lineOf, nameOf, noFilter, testOf, type LogRecord } from '../../model/logFilter';
+import { lineOf, nameOf, noFilter, recordsIn, testOf, type LogRecord } from '../../model/logFilter';
 import type { System } from '../../model/system';
 import type { Job } from '../../model/types';
 import { download } from '../../parts/download';
@@ -29,6 +29,9 @@ export default function LogRoom({ system, view }: RoomProps) {
   const job = latestOf(system, path, started);
   const isRunning = job?.status === null;
   const attempt = (work: Promise<unknown>) => work.then(() => setProblem(''), (error: unknown) => setProblem(sentence(error)));
+  const [opened, setOpened] = useState<{ name: string; records: readonly LogRecord[]; bad: number } | null>(null);
+  const upload = useRef<HTMLInputElement>(null);
+  const open = (file: File | undefined) => file && attempt(file.text().then((text) => setOpened({ name: file.name, ...recordsIn(text) })));
   const start = () => attempt(api.post<Job>('/api/logs', { path, level }).then(({ id }) => setStarted(id)));
   const stop = () => attempt(api.post(`/api/jobs/${encodeURIComponent(job?.id ?? '')}/stop`, {}));
   return (
@@ -40,11 +43,18 @@ export default function LogRoom({ system, view }: RoomProps) {
         </select></label>
         <label>{texts.level} <select value={level} disabled={isRunning} onChange={(event) => setLevel(event.target.value)}>{LEVELS.map((one) => <option key={one}>{one}</option>)}</select></label>
         {isRunning ? <button type="button" onClick={() => void stop()}>{texts.stop}</button> : <button type="button" className="primary" onClick={() => void start()}>{texts.start}</button>}
-        {job && <code>{job.command}</code>}
+        <button type="button" onClick={() => upload.current?.click()}>{texts.open}</button>
+        <input ref={upload} type="file" hidden accept=".jsonl,.log" aria-label={texts.open} onChange={(event) => {
+          void open(event.target.files?.[0]);
+          event.target.value = '';
+        }} />
+        {!opened && job && <code>{job.command}</code>}
       </header>
       {problem && <p className="bad" role="alert">{problem}</p>}
-      {job && !isRunning && !STOPPED.includes(job.status ?? 0) && <p className="bad" role="alert">{texts.failed(job.error)}</p>}
-      {job ? <Records key={job.id} job={job} system={system} /> : <p className="empty">{texts.idle}</p>}
+      {opened && <p className="row">{texts.opened(opened.name)}{opened.bad > 0 && ` ${texts.bad(opened.bad)}`} <button type="button" onClick={() => setOpened(null)}>{texts.close}</button></p>}
+      {!opened && job && !isRunning && !STOPPED.includes(job.status ?? 0) && <p className="bad" role="alert">{texts.failed(job.error)}</p>}
+      {opened ? <Records key={opened.name} first={0} rows={opened.records} error="" system={system} />
+        : job ? <Followed key={job.id} job={job} system={system} /> : <p className="empty">{texts.idle}</p>}
     </main>
   );
 }
@@ -62,22 +72,30 @@ function pathsOf(system: System, path: string): string[] {
   return known.includes(path) ? known : [path, ...known];
 }
 
-function Records({ job, system }: { job: Job; system: System }) {
+function Followed({ job, system }: { job: Job; system: System }) {
+  const { first, rows, error } = useJobRows(job.id);
+  return <Records first={first} rows={rows as unknown as readonly LogRecord[]} error={error} system={system} />;
+}
+
+interface RecordsProps { first: number; rows: readonly LogRecord[]; error: string; system: System }
+
+/** Records that are filtered here; `first` is the number of the first of them. */
+function Records({ first, rows, error, system }: RecordsProps) {
   const texts = useLogTexts();
   const { show, reveal } = useEditor();
-  const { first, rows, error } = useJobRows(job.id);
   const [filter, setFilter] = useState(noFilter);
   const [cleared, setCleared] = useState(0);
   const [isFollowing, setFollowing] = useState(true);
   const { test, problem } = useMemo(() => testOf(filter), [filter]);
-  const records = rows.slice(Math.max(cleared - first, 0)) as unknown as LogRecord[];
+  const records = rows.slice(Math.max(cleared - first, 0));
   const fitting = records.filter(test);
   const shown = fitting.slice(-SHOWN);
   const list = useRef<HTMLDivElement>(null);
   useEffect(() => {
     if (isFollowing && list.current) list.current.scrollTop = list.current.scrollHeight;
   }, [isFollowing, rows, filter]);
-  const save = () => download(new Blob([fitting.map((record) => `${lineOf(record)}\n`).join('')], { type: 'text/plain' }), `${system.host}-log.txt`);
+  const save = (lineOfRecord: (record: LogRecord) => string, ending: string) =>
+    download(new Blob([fitting.map((record) => `${lineOfRecord(record)}\n`).join('')], { type: 'text/plain' }), `${system.host}-log.${ending}`);
   const go = (record: LogRecord) => {
     const id = [...system.components.values()].find((one) => one.name === record.component)?.id;
     if (!id) return;
@@ -91,7 +109,8 @@ function Records({ job, system }: { job: Job; system: System }) {
         <p role="status">{texts.of(fitting.length, records.length)}</p>
         <label className="check"><input type="checkbox" checked={isFollowing} onChange={(event) => setFollowing(event.target.checked)} />{texts.follow}</label>
         <button type="button" onClick={() => setCleared(first + rows.length)}>{texts.clear}</button>
-        <button type="button" disabled={!fitting.length} onClick={save}>{texts.save}</button>
+        <button type="button" disabled={!fitting.length} onClick={() => save(JSON.stringify, 'jsonl')}>{texts.save}</button>
+        <button type="button" disabled={!fitting.length} onClick={() => save(lineOf, 'txt')}>{texts.saveText}</button>
       </div>
       {error && <p className="bad" role="alert">{error}</p>}
       {fitting.length > shown.length && <p>{texts.earlier(fitting.length - shown.length)}</p>}

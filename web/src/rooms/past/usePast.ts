@@ -39,6 +39,12 @@ export function usePast(api: Api, subscriptions: Subscriptions, onError: (text: 
   useEffect(() => {
     const ends = [
       subscriptions.listen('change', (data) => void loading.current?.then((loaded) => loaded?.add(data as Change))),
+      // What is known reaches back further now; somebody may look at it already.
+      subscriptions.listen('past', () => {
+        const isLoaded = loading.current !== null;
+        loading.current = null;
+        if (isLoaded) void load();
+      }),
       // The stream has begun anew: changes may be missing, and the server may be another one.
       subscriptions.listen('picture', () => {
         loading.current = null;
@@ -47,7 +53,7 @@ export function usePast(api: Api, subscriptions: Subscriptions, onError: (text: 
       }),
     ];
     return () => ends.forEach((end) => end());
-  }, [subscriptions]);
+  }, [subscriptions, load]);
   const go = useCallback((next: number | null) => {
     setTime(next);
     if (next !== null) void load();

@@ -8,7 +8,7 @@ import { age, clock } from '../../parts/numbers';
 import { useNow } from '../../parts/useNow';
 import { useSample } from '../../parts/useSample';
 import { Fields } from '../../panels/Fields';
-import type { Sample } from '../../server/values';
+import { NO_VALUES, type Sample } from '../../server/values';
 import { useEditor } from '../../shell/contexts';
 import { InjectDialog } from './InjectDialog';
 import { Plot } from './Plot';
@@ -42,7 +42,7 @@ export default function PortValues({ end, direction, wire }: Props) {
         [texts.buffer, pressures.map(({ waiting, length }) => texts.waiting(waiting, length)).join(', ')],
         [texts.dropped, pressures.some(({ dropped }) => dropped) ? pressures.map(({ dropped }) => dropped).join(', ') : ''],
       ].filter(([, value]) => value !== false) as [string, string][]} />
-      {sample?.text === undefined && <p className="empty">{texts.none}</p>}
+      {sample?.text === undefined && <p className="empty">{values === NO_VALUES ? texts.notKept : texts.none}</p>}
       {sample?.text !== undefined && !hasNumbers && <p className="empty">{texts.noNumbers}</p>}
       {hasNumbers && <Plot label={texts.plot(endText(end))} samples={samples} isHeld={held !== null} />}
       <div className="buttons">

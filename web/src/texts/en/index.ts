@@ -133,7 +133,7 @@ export const en = {
     found: (n: number) => (n === 0 ? 'The manager finds no module that is not loaded.' : `The manager finds ${n} that are not loaded.`),
   },
   exporting: {
-    open: 'Export …', title: 'Save the picture of the system', print: 'Print …', printHint: 'what is seen now', forms: { png: 'PNG', svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'Text' },
+    open: 'Export …', title: 'Save the picture of the system', print: 'Print …', printHint: 'what is seen now', asOf: (time: string) => `The system as it was at ${time}.`, forms: { png: 'PNG', svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'Text' },
     hints: { png: 'an image of points, for slides and mails', svg: 'a picture', dot: 'for Graphviz', mermaid: 'for Markdown pages', text: '80 columns wide' },
   },
 
@@ -148,7 +148,7 @@ export const en = {
   },
   past: {
     line: 'Time line: arrow keys go from change to change', now: 'Now', at: (time: string, changes: number) => `${time}, after ${changes} changes`,
-    asItWas: (time: string) => `As it was at ${time}. Nothing can be changed here.`, loading: 'The past is being loaded …',
+    asItWas: (time: string) => `As it was at ${time}. Nothing can be changed here; values that flowed then are not known.`, loading: 'The past is being loaded …',
   },
   table: {
     label: 'Components, ports and connectors as tables', components: 'Components', ports: 'Ports', connectors: 'Connectors', filter: 'Filter the tables',

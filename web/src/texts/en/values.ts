@@ -1,6 +1,6 @@
 /** Texts about the values of ports. */
 export const valuesTexts = {
-  title: 'Values', loading: 'Loading …', none: 'No value has come since you look.', value: 'Last value', age: 'Age', count: { in: 'Values read', out: 'Values written' },
+  title: 'Values', loading: 'Loading …', none: 'No value has come since you look; what came before is not known.', notKept: 'What it carried then is not known: values are not kept.', value: 'Last value', age: 'Age', count: { in: 'Values read', out: 'Values written' },
   buffer: 'Buffer', waiting: (waiting: number, length: number) => `${waiting} of ${length}`, dropped: 'Dropped since you look',
   plot: (port: string) => `Plot of ${port}, the last 60 s`, noNumbers: 'These values have no numbers to plot.',
   last: 'Last values', time: 'Time', pause: 'Hold the plot', resume: 'Go on',

@@ -133,7 +133,7 @@ export const ja: Texts = {
     found: (n) => (n === 0 ? '未ロードのモジュールは見つかりません。' : `未ロードのモジュールが ${n} 個あります。`),
   },
   exporting: {
-    open: 'エクスポート…', title: 'システムの図を保存', print: '印刷…', printHint: '表示中のもの', forms: { png: 'PNG', svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'テキスト' },
+    open: 'エクスポート…', title: 'システムの図を保存', print: '印刷…', printHint: '表示中のもの', asOf: (time) => `${time} の時点のシステムです。`, forms: { png: 'PNG', svg: 'SVG', dot: 'dot', mermaid: 'Mermaid', text: 'テキスト' },
     hints: { png: '点の画像、スライドやメール用', svg: '画像', dot: 'Graphviz 用', mermaid: 'Markdown 用', text: '80 桁幅' },
   },
 
@@ -148,7 +148,7 @@ export const ja: Texts = {
   },
   past: {
     line: '時間軸: 矢印キーで変化ごとに移動', now: '現在', at: (time, changes) => `${time} (変化 ${changes} 件の後)`,
-    asItWas: (time) => `${time} の時点の状態です。ここでは何も変更できません。`, loading: '過去を読み込んでいます…',
+    asItWas: (time) => `${time} の時点の状態です。ここでは何も変更できません。その時に流れた値は分かりません。`, loading: '過去を読み込んでいます…',
   },
   table: {
     label: 'コンポーネント、ポート、コネクタの表', components: 'コンポーネント', ports: 'ポート', connectors: 'コネクタ', filter: '表を絞り込む',

@@ -1,7 +1,7 @@
 import type { LogTexts } from '../en/log';
 
 export const logTexts: LogTexts = {
-  title: 'ログ', path: '対象', all: 'すべて', level: 'レベル', start: '開始', stop: '停止', stopping: '停止しています…', clear: '消去', save: '保存…',
+  title: 'ログ', path: '対象', all: 'すべて', level: 'レベル', start: '開始', stop: '停止', stopping: '停止しています…', clear: '消去', save: '保存…', saveText: 'テキストで保存…', open: '開く…', close: '閉じる', opened: (file) => `${file} の記録です。`, bad: (n) => `${n} 行は記録ではありません。`,
   columns: { time: '時刻', level: 'レベル', manager: 'マネージャ', name: '名前', pid: 'PID', host: 'ホスト', message: 'メッセージ' },
   none: 'ログはまだありません。', noMatch: '条件に合う記録はありません。', idle: '開始すると、コンポーネントのログが表示されます。', of: (shown, all) => `${all} 件中 ${shown} 件`,
   earlier: (n) => `条件に合うそれ以前の ${n} 件は表示されませんが、保存されます。`, failed: (why) => `ログが終了しました: ${why}`,

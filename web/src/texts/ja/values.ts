@@ -1,7 +1,7 @@
 import type { ValuesTexts } from '../en/values';
 
 export const valuesTexts: ValuesTexts = {
-  title: '値', loading: '読み込み中…', none: '見始めてから値は届いていません。', value: '最後の値', age: '経過', count: { in: '読み取り数', out: '書き込み数' },
+  title: '値', loading: '読み込み中…', none: '見始めてから値は届いていません。それより前の値は分かりません。', notKept: '値は保存されないため、その時の値は分かりません。', value: '最後の値', age: '経過', count: { in: '読み取り数', out: '書き込み数' },
   buffer: 'バッファ', waiting: (waiting, length) => `${length} 個中 ${waiting} 個`, dropped: '見始めてからの破棄数',
   plot: (port) => `${port} のグラフ (直近 60 秒)`, noNumbers: 'この値にはグラフにできる数値がありません。',
   last: '最近の値', time: '時刻', pause: 'グラフを止める', resume: '再開',
