@@ -229,8 +229,7 @@ class ComponentContainer:
             raise Refused(f"{instance} exists already")
         with self._watched(instance, "creation"):
             component = component_factory.make(create, message)
-        found = component_factory.found()
-        if found:
+        if found := component_factory.found():
             self._send({"loaded": found})
         if not isinstance(component, Component):
             return component

@@ -64,9 +64,9 @@ class FullSnapshot:
 
 def delta_between(before: Snapshot, after: Snapshot, run: str, number: int) -> Delta:
     """Return what changed from one moment to another."""
-    components, gone = _changed(before.components, after.components, "instance")
-    connectors, cut = _changed(before.connectors, after.connectors, "connector_id")
-    processes, ended = _changed(before.processes, after.processes, "pid")
+    components, gone = changed(before.components, after.components, "instance")
+    connectors, cut = changed(before.connectors, after.connectors, "connector_id")
+    processes, ended = changed(before.processes, after.processes, "pid")
     return Delta(
         run,
         number,
@@ -93,9 +93,10 @@ def applied(facts: Snapshot, delta: Delta) -> Snapshot:
     )
 
 
-def _changed(
+def changed(
     before: Iterable[T], after: Iterable[T], key: str
 ) -> tuple[tuple[T, ...], tuple[Any, ...]]:
+    """Return the rows that are new or other than before, and the keys of those that are gone."""
     known = {getattr(each, key): each for each in before}
     fresh = []
     for each in after:

@@ -53,3 +53,26 @@ def test_a_row_that_is_not_there_cannot_be_removed() -> None:
     with pytest.raises(KeyError):
         indexed.pop("a")
     assert indexed.pop("a", 1) == 1
+
+
+@given(STEPS)
+def test_a_journal_has_the_rows_that_were_put_or_removed_since_the_last_look(steps) -> None:
+    indexed = table()
+    indexed["a"] = ("x",)
+    indexed.begin_journal()
+    touched = set()
+    for step, key, row in steps:
+        if step == "put":
+            indexed[key] = row
+            touched.add(key)
+        elif step == "pop" and key in indexed:
+            del indexed[key]
+            touched.add(key)
+        elif step == "find":
+            assert set(indexed.take_journal()) == touched
+            touched.clear()
+    assert set(indexed.take_journal()) == touched
+    indexed.end_journal()
+    indexed["b"] = ()
+    indexed.begin_journal()
+    assert not indexed.take_journal()

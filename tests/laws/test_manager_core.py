@@ -30,6 +30,7 @@ from hypothesis.stateful import (
 )
 
 from rtkit.deployment import actions as act
+from rtkit.deployment.delta import TREE, Delta, FullSnapshot, applied
 from rtkit.deployment.limits import NO_LIMITS, limits_in
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import events as ev
@@ -37,6 +38,7 @@ from rtkit.manager.core.deletion import FINALISE_S, TERM_S
 from rtkit.manager.core.dump import Dump, to_lines
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import Transition
+from rtkit.rtc.serde import decode, decode_text
 
 INSTANCES = ("A", "B", "C")
 PLACES = ("", "", "&manager_name=s", "&manager_name=t", "&manager_name=manager_%p")
@@ -94,6 +96,16 @@ class CoreMachine(RuleBasedStateMachine):
     def __init__(self):
         super().__init__()
         self.shell = FakeShell(ring_size=self.ring_size())
+        self.known = None
+        self.heard = []
+        carry_out = self.shell._carry_out
+
+        def hear(instruction):
+            if isinstance(instruction, ev.Publish):
+                self.heard.append(decode(Delta, instruction.message))
+            carry_out(instruction)
+
+        self.shell._carry_out = hear
         self.asked = []
         self.old_calls = []
         self.held = {OWN: set()}
@@ -113,6 +125,19 @@ class CoreMachine(RuleBasedStateMachine):
 
     def ring_size(self):
         return 0
+
+    @rule()
+    def subscribe(self):
+        replies = []
+        self.shell.feed(ev.SnapshotRequested(self.shell.requests.add(replies.append)))
+        whole = decode_text(FullSnapshot, replies[0].value())
+        self.heard = [delta for delta in self.heard if delta.number > whole.number]
+        self.known = whole.facts
+
+    @rule()
+    def unsubscribe(self):
+        self.known = None
+        self.shell.feed(ev.ListenersChanged(TREE, False))
 
     # clients
 
@@ -326,6 +351,24 @@ class CoreMachine(RuleBasedStateMachine):
     @invariant()
     def each_batch_is_answered_at_most_once(self):
         assert all(len(asked.replies) <= 1 for asked in self.asked)
+
+    @invariant()
+    def subscribers_know_all_that_has_been_made(self):
+        if self.known is None:
+            self.heard.clear()
+            return
+        for delta in self.heard:
+            self.known = applied(self.known, delta)
+        self.heard.clear()
+        state, known = self.shell.state, self.known
+        facts = state.snapshot()
+        made = {c.instance: c for c in facts.components if c.instance not in state.claims}
+        assert {each.instance: each for each in known.components} == made
+        wires = {each.connector_id: each for each in facts.connectors}
+        assert {each.connector_id: each for each in known.connectors} == wires
+        living = {each.pid: each for each in facts.processes if each.pid}  # of two, the later one
+        assert {each.pid: each for each in known.processes} == living
+        assert (known.names, known.systems) == (facts.names, facts.systems)
 
     @invariant()
     def nothing_is_held_when_nothing_is_under_way(self):

@@ -24,6 +24,7 @@ class IndexedTable(dict[K, V]):
         super().__init__(rows)
         self._terms = terms
         self._index: dict[Hashable, dict[K, None]] | None = None
+        self._journal: dict[K, None] | None = None
 
     def like(self, rows: Mapping[K, V]) -> IndexedTable[K, V]:
         """Return a table of other rows, which are found by the same terms."""
@@ -37,7 +38,22 @@ class IndexedTable(dict[K, V]):
                 self._enter(self._index, key, self._terms(row))
         return self._index.get(term, {}).keys()
 
+    def begin_journal(self) -> None:
+        """Note from now on which rows change."""
+        self._journal = {}
+
+    def end_journal(self) -> None:
+        """Note no changes any more."""
+        self._journal = None
+
+    def take_journal(self) -> Mapping[K, None]:
+        """Return the keys of the rows that were put or removed since the last time."""
+        taken, self._journal = self._journal or {}, {}
+        return taken
+
     def __setitem__(self, key: K, row: V) -> None:
+        if self._journal is not None:
+            self._journal[key] = None
         if self._index is not None:
             terms, known = tuple(self._terms(row)), self.get(key, _MISSING)
             if known is _MISSING or (before := tuple(self._terms(known))) != terms:
@@ -54,6 +70,8 @@ class IndexedTable(dict[K, V]):
         if default is not _MISSING and key not in self:
             return default
         row = super().pop(key)
+        if self._journal is not None:
+            self._journal[key] = None
         if self._index is not None:
             self._leave(self._index, key, self._terms(row))
         return row

@@ -403,6 +403,13 @@ class ManagerState:
         is_odd = process.is_overdue or self.trouble_in(process)
         return ends and not is_odd and not self.held_by(process.key)
 
+    def process_facts(self) -> Iterator[ProcessFacts]:
+        """Yield facts about processes, but for those that nobody need look at."""
+        for p in self.processes.values():
+            if not (p.is_trial or self.is_leaving(p)):
+                why = p.reason or self.trouble_in(p)
+                yield ProcessFacts(p.name, p.is_slave, p.pid, p.state, why, p.is_guest)
+
     def snapshot(self) -> Snapshot:
         """Return all facts, for clients."""
         return Snapshot(
@@ -410,13 +417,7 @@ class ManagerState:
             manager=self.name,
             pid=self.pid,
             version=self.version,
-            processes=tuple(
-                ProcessFacts(
-                    p.name, p.is_slave, p.pid, p.state, p.reason or self.trouble_in(p), p.is_guest
-                )
-                for p in self.processes.values()
-                if not (p.is_trial or self.is_leaving(p))
-            ),
+            processes=tuple(self.process_facts()),
             components=tuple(self.components.values()),
             connectors=tuple(self.connectors.values()),
             systems=tuple(self.kept.reached.values()),
