@@ -33,6 +33,7 @@ from rtkit.manager.core.requests import PendingRequests
 from rtkit.manager.core.state import ManagerState
 from rtkit.manager.log_server import LogServer
 from rtkit.manager.report import open_report
+from rtkit.manager.view_texts import ViewTexts
 from rtkit.modules.creatable import lacking
 from rtkit.modules.describing import OfferedType, describe
 from rtkit.modules.search import Search
@@ -72,6 +73,7 @@ class ManagerQueryServer:
         self._state = state
         self._requests = requests
         self._views: dict[str, str] = {}
+        self._texts = ViewTexts(state)
 
     def forget_views(self) -> None:
         """Make views anew when they are asked for next: facts have changed."""
@@ -173,9 +175,9 @@ class ManagerQueryServer:
             return self._listing_at(zenoh_keys.unescape(which).split("\n"))
         if name not in self._views:
             if name == "listing":
-                text = listing_to_text(listing_of(self._snapshot()))
+                text = self._texts.listing(self._state.snapshot())
             elif name == "snapshot":
-                text = _compact(encode(self._snapshot()))
+                text = self._texts.snapshot(self._snapshot())
             else:
                 raise NotFound(f"no such view: {name}")
             self._views[name] = text
