@@ -139,13 +139,13 @@ def _create(state: ManagerState, action: act.Create) -> Procedure:
         if claim.is_by_template:
             names = (*names, *late_names(state, create, instance))
     except RtkitError as error:
-        del state.claims[instance]
+        state.release(instance)
         yield Spawn(_unmake(state, claim, instance, known))
         if isinstance(error, Unreachable):
             raise _consequence(state, claim, instance, error) from error
         raise
     finally:
-        state.claims.pop(instance, None)
+        state.release(instance)
     process.found.clear()
     state.update(instance, create=str(made), process=process.name, names=names)
     left_out = _enter(state, action, instance, str(made), is_renewed=known is not None)

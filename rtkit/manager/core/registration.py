@@ -209,7 +209,7 @@ def _free_name(
 ) -> str:
     pattern = action.pattern
     base = pattern.type.type_name if pattern is not None else create.implementation_id
-    names = (f"{base}{n}" for n in itertools.count())
+    names = (f"{base}{n}" for n in itertools.count(state.first_free(base)))
     return next(
         name
         for name in names

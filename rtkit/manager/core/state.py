@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from string import digits
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, RestartStatus, Snapshot
 from rtkit.deployment.limits import Capacity, SlaveLimits
@@ -20,6 +21,8 @@ from rtkit.settings.properties import Settings
 NOWHERE = -1
 """Key of no process."""
 _UNWATCHED = RestartRecord()
+_MOST_DIGITS = 9
+"""Longer numbers are given by users only."""
 
 
 @dataclass(slots=True)
@@ -202,9 +205,11 @@ class ManagerState:
         failing: Why own ends of halves cannot be opened or joined, by connector; tried again.
         expected: Connectors that managers of other hosts may make, by id.
         makings: How many connectors to other managers it has made.
+        free_numbers: By the beginning of instance names that are chosen here: all with a lower
+            number exist or are reserved. It follows from those, and saves a look at each.
     """
 
-    UNRECORDED = ("capacity",)
+    UNRECORDED = ("capacity", "free_numbers")
 
     host: str
     name: str
@@ -247,6 +252,7 @@ class ManagerState:
     failing: dict[str, str] = field(default_factory=dict)
     expected: dict[str, Expected] = field(default_factory=dict)
     makings: int = 0
+    free_numbers: dict[str, int] = field(default_factory=dict)
 
     def cut(self, connector_id: str) -> None:
         """Drop a connector; the other manager, if it leads to one, is to hear of it."""
@@ -368,10 +374,33 @@ class ManagerState:
         names = (each for names in (self.names, *named) for each in names)
         return next((each for each in names if each.startswith(folder)), "")
 
+    def first_free(self, base: str) -> int:
+        """Return the lowest number that makes an instance name of `base` that nobody has."""
+        number = self.free_numbers.get(base, 0)
+        while (name := f"{base}{number}") in self.components or name in self.claims:
+            number += 1
+        self.free_numbers[base] = number
+        return number
+
+    def _note_free(self, instance: str) -> None:
+        """Note that an instance name is free now, whatever it may begin with."""
+        if instance in self.components or instance in self.claims:
+            return
+        for end in range(len(instance.rstrip(digits)), len(instance)):
+            base, number = instance[:end], instance[end:]
+            if base in self.free_numbers and len(number) <= _MOST_DIGITS:
+                self.free_numbers[base] = min(self.free_numbers[base], int(number))
+
+    def release(self, instance: str) -> None:
+        """End the reservation of a component that was made, or could not be."""
+        self.claims.pop(instance, None)
+        self._note_free(instance)
+
     def forget(self, instance: str) -> None:
         """Drop a component with its connectors; a lost process goes with its last one."""
         self.drop_connectors(instance)
         self.components.pop(instance, None)
+        self._note_free(instance)
         key = self.containers.pop(instance, None)
         if key is not None:
             self.drop_if_empty(key)
