@@ -56,6 +56,7 @@ class ExecutionContext:
         id: Its name within the component that owns it.
         owner: Instance name of that component.
         properties: Its further properties, with those of `rtkit.rtc.context_settings`.
+        deadline_ns: When the present cycle of a periodic one was due, monotonic [ns].
         missed: Periods at which nothing was done, since it was made.
         trouble: Settings that the system refused; empty for none.
         is_running: Whether ticks do anything.
@@ -77,6 +78,7 @@ class ExecutionContext:
         self.kind = kind
         self.owner = owner
         self.properties = properties
+        self.deadline_ns = 0
         self.missed = 0
         self.trouble = ""
         self.is_running = False

@@ -14,6 +14,7 @@ from typing import NamedTuple, Protocol
 from rtkit.component.context import ExecutionContext
 from rtkit.component.period import Period
 from rtkit.component.waiting import grant_by
+from rtkit.container.bell import Bell
 from rtkit.container.context_thread import ContextThread
 from rtkit.container.missed_periods import MissedPeriods
 from rtkit.link.threads import start_thread
@@ -64,7 +65,7 @@ class Pacer:
         self._start = start
         self._lock = threading.Lock()
         self._thread: Driver | None = None
-        self._alarm = threading.Event()
+        self._alarm = Bell()
         self._is_closed = False
         self._ticks = 0
         self._busy_ns = 0
@@ -78,7 +79,7 @@ class Pacer:
         Raises:
             Refused: None can be had; the next `wake` tries again.
         """
-        self._alarm.set()
+        self._alarm.ring()
         with self._lock:
             if self._thread is None and not self._is_closed:
                 self._thread = self._start(self._run, self._name)
@@ -87,7 +88,7 @@ class Pacer:
     def is_resting(self) -> bool:
         """Return whether nothing is done, and nothing was requested."""
         with self._lock:
-            return self._thread is None and not self._alarm.is_set()
+            return self._thread is None and not self._alarm.is_ringing
 
     def work(self) -> Work:
         """Return what was done so far; longest and latest cycle are those since the last call."""
@@ -99,7 +100,7 @@ class Pacer:
         """Have the thread end after its present tick, and none begin."""
         with self._lock:
             self._is_closed = True
-        self._alarm.set()
+        self._alarm.ring()
 
     def close(self, timeout_s: float) -> bool:
         """Let the thread end after its present tick; False if it does not within `timeout_s`."""
@@ -129,7 +130,7 @@ class Pacer:
     def _run_when_due(self, thread: ContextThread) -> None:
         context, alarm = self._context, self._alarm
         while not self._rest():
-            alarm.clear()
+            alarm.silence()
             if not thread.is_current:
                 thread.apply()
             began_ns = time.monotonic_ns()
@@ -139,10 +140,10 @@ class Pacer:
                 alarm.wait()
 
     def _run_at_rate(self, thread: ContextThread) -> None:
-        context, alarm, missed = self._context, self._alarm, MissedPeriods(self._context)
+        context, missed = self._context, MissedPeriods(self._context)
         period = Period(context.rate, time.monotonic_ns())
         while not self._rest():
-            alarm.clear()
+            self._alarm.silence()
             if context.has_requests:
                 is_to_begin = not context.has_work
                 context.serve_requests()
@@ -152,12 +153,23 @@ class Pacer:
                 period.change_rate(context.rate, time.monotonic_ns())
             if not thread.is_current:
                 thread.apply()
+            self._keep(period, thread, missed)
+        missed.report(time.monotonic_ns(), is_last=True)
+
+    def _keep(self, period: Period, thread: ContextThread, missed: MissedPeriods) -> None:
+        """Have a cycle whenever one is due, until the alarm rings or nothing is to be done.
+
+        All that can be done before the thread waits is done there: less is left after it.
+        """
+        context, alarm = self._context, self._alarm
+        while True:
             began_ns = time.monotonic_ns()
             if began_ns >= period.deadline_ns:
-                self._latest_ns = max(self._latest_ns, began_ns - period.deadline_ns)
+                context.deadline_ns = period.deadline_ns
                 context.tick()
                 ended_ns = time.monotonic_ns()
                 self._count(ended_ns - began_ns)
+                self._latest_ns = max(self._latest_ns, began_ns - period.deadline_ns)
                 skipped = period.skipped
                 period.advance(ended_ns, began_ns)
                 if period.skipped != skipped:
@@ -165,10 +177,13 @@ class Pacer:
                 missed.report(ended_ns)
                 if thread.is_collecting:
                     thread.collect(period.deadline_ns)
+            if context.is_idle:
+                return
             delay = period.wait_s(time.monotonic_ns())
             if delay:
                 alarm.wait(delay)
-        missed.report(time.monotonic_ns(), is_last=True)
+            if alarm.is_ringing:
+                return
 
     def _count(self, spent_ns: int) -> None:
         self._ticks += 1
@@ -179,7 +194,7 @@ class Pacer:
     def _rest(self) -> bool:
         """End the thread when nothing is to be done; a later `wake` makes another."""
         with self._lock:
-            if self._is_closed or (self._context.is_idle and not self._alarm.is_set()):
+            if self._is_closed or (self._context.is_idle and not self._alarm.is_ringing):
                 self._thread = None
                 return True
             return False
