@@ -13,8 +13,9 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 from enum import Flag
-from typing import Any
+from typing import Any, cast
 
+from rtkit.component.arrays import is_frozen
 from rtkit.component.codec import codec_for, encoder_for
 from rtkit.component.codegen import Source
 from rtkit.component.type_layout import (
@@ -120,6 +121,8 @@ class _Tester(Source):
             head = f"({name} := {source}).__class__ is tuple and len({name}) == {len(layout.items)}"
             tests = [self._of(item, f"{name}[{at}]") for at, item in enumerate(layout.items)]
             return " and ".join([head, *tests])
+        if isinstance(layout, ItemsLayout) and layout.is_array:
+            return f"{self.name(is_frozen)}({source}, '{cast(BasicLayout, layout.item).code}')"
         if isinstance(layout, ItemsLayout):
             name = self.name()
             return f"({name} := {source}).__class__ is tuple and {self._each(layout, name)}"

@@ -7,12 +7,19 @@ Payloads of a `bytes` port pass unchanged. Reading is total: any bytes give a va
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
-from rtkit.component.codegen import compile_decoder, compile_encoder
+from rtkit.component.cdr_parts import Octets
+from rtkit.component.codegen import (
+    compile_decoder,
+    compile_encoder,
+    compile_splitter,
+    is_fixed,
+)
 from rtkit.component.type_layout import complaint, layout_of
 from rtkit.errors import Malformed
 
+T = TypeVar("T")
 _LITTLE = b"\x00\x01"
 _BIG = b"\x00\x00"
 _HEADER = 4
@@ -26,7 +33,7 @@ class Codec(NamedTuple):
     """
 
     encode: Callable[[Any], bytes]
-    decode: Callable[[bytes], Any]
+    decode: Callable[[Octets], Any]
 
 
 def _encode_bytes(value: Any) -> bytes:
@@ -67,11 +74,25 @@ def encoder_for(cls: type, *, is_big_endian: bool) -> Callable[[Any], bytes]:
     return _big_encoders[cls]
 
 
-def _encoder(cls: type, order: str = "<") -> Callable[[Any], bytes]:
-    layout = layout_of(cls)
-    pack = compile_encoder(layout, order)
+def splitter_for(cls: type, *, is_big_endian: bool) -> Callable[[Any], Octets | list[Octets]]:
+    """Return such an encoder, whose values may come in parts that make up the bytes.
 
-    def encode(value: Any) -> bytes:
+    So what is large in a value is copied once, where it is sent; until then it must not change.
+    """
+    if cls is bytes or is_fixed(layout_of(cls)):
+        return encoder_for(cls, is_big_endian=is_big_endian)
+    order = ">" if is_big_endian else "<"
+    return _checked(cls, compile_splitter(layout_of(cls), order))
+
+
+def _encoder(cls: type, order: str = "<") -> Callable[[Any], bytes]:
+    return _checked(cls, compile_encoder(layout_of(cls), order))
+
+
+def _checked(cls: type, pack: Callable[[Any], T]) -> Callable[[Any], T]:
+    layout = layout_of(cls)
+
+    def encode(value: Any) -> T:
         try:
             return pack(value)
         except Exception as error:
@@ -81,12 +102,12 @@ def _encoder(cls: type, order: str = "<") -> Callable[[Any], bytes]:
     return encode
 
 
-def _decoder(cls: type) -> Callable[[bytes], Any]:
+def _decoder(cls: type) -> Callable[[Octets], Any]:
     layout = layout_of(cls)
     unpack = compile_decoder(layout, "<")
-    unpack_big: list[Callable[[bytes], tuple[Any, int]]] = []
+    unpack_big: list[Callable[[Octets], tuple[Any, int]]] = []
 
-    def decode(data: bytes) -> Any:
+    def decode(data: Octets) -> Any:
         try:
             if data[:2] == _LITTLE:
                 value, end = unpack(data)
@@ -100,7 +121,7 @@ def _decoder(cls: type) -> Callable[[bytes], Any]:
             _check_tail(data, end, cls)
         return value
 
-    def _other(data: bytes) -> Callable[[bytes], tuple[Any, int]]:
+    def _other(data: Octets) -> Callable[[Octets], tuple[Any, int]]:
         if len(data) < _HEADER or data[:2] != _BIG:
             raise Malformed(f"no CDR header: {data[:_HEADER].hex(' ') or 'no bytes'}")
         if not unpack_big:
@@ -110,7 +131,7 @@ def _decoder(cls: type) -> Callable[[bytes], Any]:
     return decode
 
 
-def _check_tail(data: bytes, end: int, cls: type) -> None:
+def _check_tail(data: Octets, end: int, cls: type) -> None:
     # Writers of DDS pad a message to a multiple of four bytes; anything else is not ours.
     tail = data[end:]
     if len(tail) >= _HEADER or any(tail):

@@ -13,8 +13,10 @@ import struct
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from types import MemberDescriptorType
-from typing import Any, TypeGuard
+from typing import Any, TypeGuard, cast
 
+from rtkit.component import arrays
+from rtkit.component.cdr_parts import HELPERS, Octets
 from rtkit.component.type_layout import (
     ArrayLayout,
     BasicLayout,
@@ -22,11 +24,7 @@ from rtkit.component.type_layout import (
     ItemsLayout,
     Layout,
     StructLayout,
-    as_items,
-    as_octets,
-    as_truth,
 )
-from rtkit.errors import Malformed
 
 _SIZES = {"b": 1, "B": 1, "?": 1, "c": 1, "h": 2, "H": 2, "i": 4, "I": 4, "f": 4}
 _HEADER = 4
@@ -50,10 +48,25 @@ def compile_encoder(layout: StructLayout, order: str = "<") -> Callable[[Any], b
 
     `order` is ``<`` or ``>``.
     """
-    return _Encoder(order).compile(layout)
+    encode: Callable[[Any], bytes] = _Encoder(order).compile(layout, "b''.join(parts)")
+    return encode
 
 
-def compile_decoder(layout: StructLayout, order: str) -> Callable[[bytes], tuple[Any, int]]:
+def compile_splitter(layout: StructLayout, order: str = "<") -> Callable[[Any], list[Octets]]:
+    """Return such a function, to the parts that make up the bytes.
+
+    Parts that are octets, or an array, of the value are no copies of them.
+    """
+    split: Callable[[Any], list[Octets]] = _Encoder(order).compile(layout, "parts")
+    return split
+
+
+def is_fixed(layout: StructLayout) -> bool:
+    """Return whether all values have one length."""
+    return not _is_variable(layout)
+
+
+def compile_decoder(layout: StructLayout, order: str) -> Callable[[Octets], tuple[Any, int]]:
     """Return a function from bytes to the value and the position behind it.
 
     It raises whatever goes wrong. `order` is ``<`` or ``>``.
@@ -113,7 +126,7 @@ class _Cdr(Source, ABC):
 
     def __init__(self, order: str) -> None:
         header = b"\x00\x01\x00\x00" if order == "<" else bytes(_HEADER)
-        super().__init__(**_HELPERS, _header=header)
+        super().__init__(**HELPERS, _header=header)
         self.order = order
         self.is_fixed = True
         self.codes = ""
@@ -134,14 +147,15 @@ class _Cdr(Source, ABC):
 
 
 class _Encoder(_Cdr):
-    def compile(self, layout: StructLayout) -> Callable[[Any], bytes]:
+    def compile(self, layout: StructLayout, result: str) -> Callable[[Any], Any]:
+        """Return the function, to what `result` makes of the list of parts if it is not fixed."""
         self.write(layout, "value")
         if self.is_fixed:
             self.add(f"return {self.fixed()[0]}")
         else:
             self.flush()
-            self.add("return b''.join(parts)")
-        coder: Callable[[Any], bytes] = self.finish("def coder(value):")
+            self.add(f"return {result}")
+        coder: Callable[[Any], Any] = self.finish("def coder(value):")
         return coder
 
     def write(self, layout: Layout, value: str) -> None:
@@ -200,6 +214,9 @@ class _Encoder(_Cdr):
         self.add(f"if {value}.__class__ is not tuple: {value} = _as_items({value})")
 
     def write_items(self, layout: ItemsLayout, value: str) -> None:
+        if layout.is_array:
+            self.write_array(layout, value)
+            return
         self.take_items(value)
         self.count(f"len({value})")
         item = layout.item
@@ -208,8 +225,7 @@ class _Encoder(_Cdr):
             self.add(f"if len({value}):")
             self.depth += 1
             if _size(code) > _HEADER:
-                self.add(f"parts.append(_padding[{_HEADER} - at & {_size(code) - 1}])")
-                self.add(f"at += {_HEADER} - at & {_size(code) - 1}")
+                self.pad(_size(code))
             items = value if expression == "item" else f"[{expression} for item in {value}]"
             data = self.name()
             self.add(f"{data} = _pack(f'{self.order}{{len({value})}}{code}', *{items})")
@@ -217,6 +233,26 @@ class _Encoder(_Cdr):
             self.depth -= 1
             return
         self.write_each(item, value)
+
+    def write_array(self, layout: ItemsLayout, value: str) -> None:
+        item = cast(BasicLayout, layout.item)
+        code, _ = self.scalar(item, "item")
+        data, count = self.name(), self.name()
+        octets = self.name(arrays.octets_of, "octets")
+        self.add(f"{data} = {octets}({value}, '{self.order}{item.code}')")
+        self.add(f"{count} = len({data}) // {_size(code)}")
+        self.count(count)
+        self.add(f"if {count}:")
+        self.depth += 1
+        if _size(code) > _HEADER:
+            self.pad(_size(code))
+        self.append(data)
+        self.depth -= 1
+
+    def pad(self, size: int) -> None:
+        """Emit the octets that lie between the number of items and these."""
+        self.add(f"parts.append(_padding[{_HEADER} - at & {size - 1}])")
+        self.add(f"at += {_HEADER} - at & {size - 1}")
 
     def write_each(self, item: Layout, value: str) -> None:
         name = self.name()
@@ -256,11 +292,11 @@ class _Encoder(_Cdr):
 
 
 class _Decoder(_Cdr):
-    def compile(self, layout: StructLayout) -> Callable[[bytes], tuple[Any, int]]:
+    def compile(self, layout: StructLayout) -> Callable[[Octets], tuple[Any, int]]:
         result = self.read(layout)
         self.flush()
         self.add(f"return {result}, at")
-        coder: Callable[[bytes], tuple[Any, int]] = self.finish("def coder(data):")
+        coder: Callable[[Octets], tuple[Any, int]] = self.finish("def coder(data):")
         return coder
 
     def read(self, layout: Layout) -> str:
@@ -306,6 +342,8 @@ class _Decoder(_Cdr):
 
     def read_items(self, layout: ItemsLayout) -> str:
         item = layout.item
+        if layout.is_array:
+            return self.read_array(item)
         if _is_scalar(item):
             return self.read_scalars(layout, item)
         count = self.count()
@@ -337,6 +375,18 @@ class _Decoder(_Cdr):
         if expression != "item":
             return f"{layout.make.__name__}([{expression} for item in {result}])"
         return f"list({result})" if layout.make is list else result
+
+    def read_array(self, item: Layout) -> str:
+        code, _ = self.scalar(cast(BasicLayout, item), "item")
+        size, count, result = _size(code), self.count(), self.name()
+        if size > _HEADER:
+            self.add(f"if {count}: at += {_HEADER} - at & {size - 1}")
+        self.add(f"_fits(data, at, {count}, {size})")
+        view = self.name(arrays.view_of, "view")
+        kind = cast(BasicLayout, item).code
+        self.add(f"{result} = {view}(data, '{self.order}{kind}', {count}, at)")
+        self.add(f"at += {count} * {size}")
+        return result
 
     def count(self) -> str:
         """Emit code that reads the length of a variable-length value; return its name."""
@@ -422,58 +472,3 @@ def _least(layout: Layout) -> int:
             return len(layout.items) * _least(layout.items[0]) or 1
         return sum(_least(item) for item in layout.items) or 1
     return _size(layout.code) if _is_scalar(layout) else 4
-
-
-def _fits(data: bytes, at: int, count: int, size: int) -> None:
-    if count > (len(data) - at) // size:
-        raise Malformed(f"{count} items of {size} bytes do not fit into {len(data)} bytes")
-
-
-def _truth(value: int) -> bool:
-    if value > 1:
-        raise Malformed(f"not a truth value: {value}")
-    return value == 1
-
-
-def _member(members: dict[int, Any], value: int) -> Any:
-    if value not in members:
-        raise Malformed(f"not a member of the enumeration: {value}")
-    return members[value]
-
-
-def _unit(value: int) -> int:
-    if 0xD800 <= value < 0xE000:
-        raise Malformed(f"half of a surrogate pair: {value:#x}")
-    return value
-
-
-def _octets(data: bytes, at: int, length: int) -> bytes:
-    if length > len(data) - at:
-        raise Malformed(f"{length} bytes do not fit into {len(data)} bytes")
-    return bytes(data[at : at + length])
-
-
-def _text(data: bytes, at: int, length: int) -> str:
-    if not length:
-        return ""
-    found = _octets(data, at, length)
-    if found.find(0) != length - 1:
-        raise Malformed("a string does not end with its first NUL")
-    return found[:-1].decode()
-
-
-_HELPERS = {
-    "_as_items": as_items,
-    "_as_octets": as_octets,
-    "_as_truth": as_truth,
-    "_fits": _fits,
-    "_member": _member,
-    "_octets": _octets,
-    "_pack": struct.pack,
-    "_padding": [bytes(count) for count in range(8)],
-    "_text": _text,
-    "_truth": _truth,
-    "_unit": _unit,
-    "_unpack": struct.unpack_from,
-}
-"""Objects to which the written code refers by name."""

@@ -77,11 +77,19 @@ class EnumLayout(NamedTuple):
 
 
 class ItemsLayout(NamedTuple):
-    """Any number of one kind; `make` builds the tuple or list."""
+    """Any number of one kind.
+
+    Attributes:
+        item: Of each of them.
+        make: Builds the tuple, list or array of those that it is given.
+        name: ``sequence<…>``.
+        is_array: Whether they are an array of numpy, of one dimension.
+    """
 
     item: Layout
-    make: type
+    make: Callable[..., Any]
     name: str
+    is_array: bool = False
 
 
 class ArrayLayout(NamedTuple):
@@ -154,6 +162,8 @@ def _read(hint: Any, where: str, outer: tuple[type, ...]) -> Layout:
         return _annotated(args, where, outer)
     if isinstance(hint, type) and hint in _PLAIN:
         return _PLAIN[hint]
+    if _is_numpy(origin):
+        return _numpy_array(args, where)
     if origin in (tuple, list) or origin is Sequence:
         return _collection(origin, args, where, outer)
     if isinstance(hint, type) and issubclass(hint, Enum):
@@ -185,6 +195,25 @@ def _collection(
         raise Malformed(f"{where} cannot be carried: it does not say what it is a sequence of")
     item = _read(args[0], where, outer)
     return ItemsLayout(item, list if origin is list else tuple, f"sequence<{item.name}>")
+
+
+def _is_numpy(origin: Any) -> bool:
+    return getattr(origin, "__module__", "") == "numpy" and origin.__name__ == "ndarray"
+
+
+def _numpy_array(args: tuple[Any, ...], where: str) -> ItemsLayout:
+    """Return the layout of ``numpy.typing.NDArray[numpy.float32]``."""
+    from rtkit.component import arrays
+
+    numbers = get_args(args[1]) if len(args) > 1 else ()
+    name = arrays.name_of(numbers[0]) if numbers else ""
+    if name not in _BASICS:
+        raise Malformed(
+            f"{where} cannot be carried: it does not say what numbers it is an array of"
+        )
+    item = _BASICS[name]
+    sequence = "sequence<octet>" if name == "uint8" else f"sequence<{name}>"
+    return ItemsLayout(item, arrays.maker(item.code), sequence, is_array=True)
 
 
 def _enumeration(cls: type[Enum], where: str) -> EnumLayout:
