@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import subprocess
 import sys
@@ -9,8 +10,10 @@ import tempfile
 import timeit
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import NamedTuple
 
-from bench.harness import Lines, Row, manager, medians, paired, pairs_of
+from bench.harness import Lines, Missing, Row, manager, medians, paired, pairs_of
+from bench.raw import KINDS
 from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Pose2D, TimedPose2D
 from rtkit.component.port import InPort, OutPort
@@ -20,13 +23,12 @@ from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 
-_TRIPS = 200
 _ROUNDS = 9
 _SETS = 9
 _CALLS = 20_000
 _COMPONENTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "components")
 _CALL_IS = "a method that calls a list of one callback"
-_RAW_IS = "bare zenoh between two processes, same bytes, same kind of sockets and sessions"
+_RAW_IS = "the same octets between two processes"
 _WAITING = {
     "dataport.subscription_type": "flush",
     "dataport.buffer.read.empty_policy": "block",
@@ -42,22 +44,47 @@ def _write() -> Lines:
 
 
 def _trip() -> Lines:
-    # How the kernel spreads processes over cores stays for their life: take fresh ones, often.
-    pairs = [pair for _ in range(_SETS) for pair in _round_trips()]
-    what = "round trip of a TimedPose2D through two processes"
-    yield Row(what, "us", *medians(pairs), 1.4, True, _RAW_IS)
+    for kind, target in (("socket", 1.5), ("zenoh", None)):
+        # How the kernel spreads processes over cores stays for their life: take fresh ones, often.
+        pairs = [pair for _ in range(_SETS) for pair in _round_trips(_SMALL, kind)]
+        what = f"round trip of a TimedPose2D through two processes, beside {kind}"
+        yield Row(what, "us", *medians(pairs), target, True, f"{KINDS[kind]}, {_RAW_IS}")
 
 
-PARTS = {"write": _write, "trip": _trip}
+def _image() -> Lines:
+    what = f"round trip of an image of {_IMAGE.size // 1_000_000} MB through two processes"
+    if importlib.util.find_spec("iceoryx2") is None:
+        yield Missing(what, "pip install iceoryx2")
+        return
+    pairs = [pair for _ in range(_SETS) for pair in _round_trips(_IMAGE, "iceoryx2")]
+    yield Row(what, "us", *medians(pairs), 1.2, True, f"{KINDS['iceoryx2']}, {_RAW_IS}")
 
 
-def _round_trips() -> list[tuple[float, float]]:
+PARTS = {"write": _write, "trip": _trip, "image": _image}
+
+
+class _Trip(NamedTuple):
+    """What travels: the types of both ends, the size of a value [bytes], how many at a time."""
+
+    ping: str
+    echo: str
+    size: int
+    trips: int
+
+
+_SMALL = _Trip(
+    "Ping", "Echo", len(codec_for(TimedPose2D).encode(TimedPose2D(Time(), Pose2D()))), 200
+)
+_IMAGE = _Trip("ImagePing", "ImageEcho", 1_000_000, 100)
+
+
+def _round_trips(trip: _Trip, kind: str) -> list[tuple[float, float]]:
     with (
         tempfile.TemporaryDirectory(prefix="rtb") as folder,
         manager(_COMPONENTS) as tree,
-        _raw(folder) as raw,
+        _raw(folder, kind, trip) as raw,
     ):
-        return pairs_of(_ping(tree, os.path.join(folder, "median")), raw, _ROUNDS)
+        return pairs_of(_ping(tree, trip, os.path.join(folder, "median")), raw, _ROUNDS)
 
 
 def _write_us() -> float:
@@ -91,16 +118,16 @@ def _each_us(check: Callable[[], object], names: dict[str, object], call: str) -
     return timeit.timeit(call, globals=names, number=_CALLS) / _CALLS * 1e6
 
 
-def _ping(tree: Tree, result: str) -> Callable[[], float]:
+def _ping(tree: Tree, trip: _Trip, result: str) -> Callable[[], float]:
     there = PortRef("P", "out"), PortRef("E", "into")
     back = PortRef("E", "out"), PortRef("P", "back")
     _do(
         tree,
-        Create("Ping?instance_name=P&manager_name=p"),
-        Create("Echo?instance_name=E&manager_name=e"),
+        Create(f"{trip.ping}?instance_name=P&manager_name=p"),
+        Create(f"{trip.echo}?instance_name=E&manager_name=e"),
         Connect(ConnectorProfile("there", "there", there, _WAITING)),
         Connect(ConnectorProfile("back", "back", back, _WAITING)),
-        SetParameters("P", "default", {"result": result, "count": str(_TRIPS)}),
+        SetParameters("P", "default", {"result": result, "count": str(trip.trips)}),
         ChangeState("E", "0", Transition.ACTIVATE),
     )
 
@@ -119,20 +146,22 @@ def _do(tree: Tree, *actions: Action) -> None:
 
 
 @contextmanager
-def _raw(folder: str) -> Iterator[Callable[[], float]]:
-    payload = codec_for(TimedPose2D).encode(TimedPose2D(Time(), Pose2D())).hex()
-    ends = [os.path.join(folder, name) for name in ("a", "b")]
-    start = [sys.executable, "-m", "bench.raw"]
-    echo = subprocess.Popen([*start, "echo", ends[1], ends[0]])
-    ping = subprocess.Popen(
-        [*start, "ping", *ends], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    )
+def _raw(folder: str, kind: str, trip: _Trip) -> Iterator[Callable[[], float]]:
+    def start(role: str) -> subprocess.Popen[str]:
+        words = [sys.executable, "-m", "bench.raw", kind, role, folder, str(trip.size)]
+        pipe = subprocess.PIPE
+        return subprocess.Popen(words, stdin=pipe, stdout=pipe, text=True)
+
+    echo = start("echo")
+    assert echo.stdout is not None
+    echo.stdout.readline()  # it is there
+    ping = start("ping")
     assert ping.stdin is not None
     assert ping.stdout is not None
     asked, answers = ping.stdin, ping.stdout
 
     def measure() -> float:
-        asked.write(f"{_TRIPS} {payload}\n")
+        asked.write(f"{trip.trips}\n")
         asked.flush()
         return float(answers.readline())
 
@@ -140,4 +169,4 @@ def _raw(folder: str) -> Iterator[Callable[[], float]]:
         yield measure
     finally:
         ping.communicate()
-        echo.wait(10)
+        echo.communicate(timeout=10)
