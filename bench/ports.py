@@ -18,13 +18,13 @@ from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Pose2D, TimedPose2D
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.types import Time
-from rtkit.deployment.actions import Action, ChangeState, Connect, Create, SetParameters
+from rtkit.deployment.actions import Action, ChangeState, Connect, Create, Load, SetParameters
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 
 _ROUNDS = 9
-_SETS = 9
+_SETS = 5
 _CALLS = 20_000
 _COMPONENTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "components")
 _CALL_IS = "a method that calls a list of one callback"
@@ -64,8 +64,9 @@ PARTS = {"write": _write, "trip": _trip, "image": _image}
 
 
 class _Trip(NamedTuple):
-    """What travels: the types of both ends, the size of a value [bytes], how many at a time."""
+    """What travels: its module, types of both ends, size of a value [bytes], how many at a time."""
 
+    module: str
     ping: str
     echo: str
     size: int
@@ -73,9 +74,9 @@ class _Trip(NamedTuple):
 
 
 _SMALL = _Trip(
-    "Ping", "Echo", len(codec_for(TimedPose2D).encode(TimedPose2D(Time(), Pose2D()))), 200
+    "Ping", "Ping", "Echo", len(codec_for(TimedPose2D).encode(TimedPose2D(Time(), Pose2D()))), 200
 )
-_IMAGE = _Trip("ImagePing", "ImageEcho", 1_000_000, 100)
+_IMAGE = _Trip("Images", "ImagePing", "ImageEcho", 1_000_000, 100)
 
 
 def _round_trips(trip: _Trip, kind: str) -> list[tuple[float, float]]:
@@ -123,6 +124,7 @@ def _ping(tree: Tree, trip: _Trip, result: str) -> Callable[[], float]:
     back = PortRef("E", "out"), PortRef("P", "back")
     _do(
         tree,
+        Load(f"{trip.module}.py", f"{trip.module}Init"),
         Create(f"{trip.ping}?instance_name=P&manager_name=p"),
         Create(f"{trip.echo}?instance_name=E&manager_name=e"),
         Connect(ConnectorProfile("there", "there", there, _WAITING)),

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from threading import Condition, Lock
 from typing import Generic, Protocol, TypeAlias, TypeVar
 
@@ -22,6 +23,29 @@ Sink = Callable[[T], PortStatus | None]
 """Takes one value; returns None on success, else the status that tells the reason."""
 Source = Callable[[], T | None]
 """Gives the next value, or None when there is none."""
+
+
+class Receiving(Protocol):
+    """Receives values in place of the thread that does so else (see `BufferFeed`)."""
+
+    def receive(self, timeout_s: float) -> bool:
+        """Have the next value written to the buffer; False when none comes in time [s]."""
+
+    def leave(self) -> None:
+        """Let the other thread receive again."""
+
+
+class BufferFeed(Protocol):
+    """The stream that fills a buffer from another process.
+
+    A reader that waits receives by itself: a thread in between would have to be woken first.
+    """
+
+    def borrow(self) -> Receiving | None:
+        """Return what receives on the calling thread; None when that is not possible now."""
+
+    def sip(self) -> None:
+        """Have what has come written to the buffer, if a reader had borrowed this and has gone."""
 
 
 class Buffer(Protocol[T_co]):
@@ -85,9 +109,11 @@ class AwaitedRing(Generic[T]):
     Attributes:
         length: The number of values that fit.
         lost: Values that were dropped.
+        feed: What fills it, where its reader may receive by itself.
     """
 
     def __init__(self, options: BufferOptions) -> None:
+        self.feed: BufferFeed | None = None
         self._items: deque[T] = deque(maxlen=options.length)
         self._wakeups: deque[Lock] = deque()
         self._timeout_s = options.read_timeout
@@ -96,6 +122,8 @@ class AwaitedRing(Generic[T]):
         self.lost = 0
 
     def __len__(self) -> int:
+        if not self._items and self.feed is not None:
+            self.feed.sip()
         return len(self._items)
 
     def write(self, value: T) -> PortStatus | None:
@@ -112,27 +140,45 @@ class AwaitedRing(Generic[T]):
 
     def take(self) -> T | None:
         """Remove and return the oldest value, None when empty."""
+        if not self._items and self.feed is not None:
+            self.feed.sip()
+        return self._pop()
+
+    def wait(self) -> T | None:
+        """Remove and return the oldest value, after waiting for one if there is none."""
+        value = self._pop()
+        left_s = self._timeout_s
+        while value is None and left_s > 0 and not self._is_closed:
+            receiving = self.feed.borrow() if self.feed is not None else None
+            if receiving is None:
+                left_s, value = self._await_writer(left_s)
+                continue
+            try:
+                left_s = wait_for(receiving.receive, left_s)
+            finally:
+                receiving.leave()
+            value = self._pop()
+        return value
+
+    def _await_writer(self, left_s: float) -> tuple[float, T | None]:
+        """Wait for another thread to write; return the rest of the time [s], and the value."""
+        wakeup = Lock()
+        wakeup.acquire()
+        self._wakeups.append(wakeup)
+        value = self._pop()  # a write before the append released no wakeup
+        if value is None and not self._is_closed:
+            left_s = wait_for(partial(_acquire, wakeup), left_s)
+            value = self._pop()
+        if self._wakeups:  # a release removes the wakeup from the queue
+            with suppress(ValueError):
+                self._wakeups.remove(wakeup)
+        return left_s, value
+
+    def _pop(self) -> T | None:
         try:
             return self._items.popleft() if self._items else None
         except IndexError:  # another thread took the last one
             return None
-
-    def wait(self) -> T | None:
-        """Remove and return the oldest value, after waiting for one if there is none."""
-        value = self.take()
-        left_s = self._timeout_s
-        while value is None and left_s > 0 and not self._is_closed:
-            wakeup = Lock()
-            wakeup.acquire()
-            self._wakeups.append(wakeup)
-            value = self.take()  # a write before the append released no wakeup
-            if value is None and not self._is_closed:
-                left_s = wait_for(wakeup, left_s)
-                value = self.take()
-            if self._wakeups:  # a release removes the wakeup from the queue
-                with suppress(ValueError):
-                    self._wakeups.remove(wakeup)
-        return value
 
     def close(self) -> None:
         """Accept no more values and wake whoever waits."""
@@ -145,6 +191,10 @@ class AwaitedRing(Generic[T]):
                 self._wakeups.popleft().release()
         except IndexError:  # the last reader has left meanwhile
             return
+
+
+def _acquire(lock: Lock, timeout_s: float) -> bool:
+    return lock.acquire(timeout=timeout_s)
 
 
 class GuardedRing(Generic[T]):

@@ -11,8 +11,8 @@ from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from typing import Any
 
+from rtkit.component.any_port import Port
 from rtkit.component.parameter import Parameter
-from rtkit.component.port import Port
 from rtkit.component.service import ServicePort
 from rtkit.errors import Refused
 

@@ -7,15 +7,24 @@ closed by another thread, which replaces tuples and never changes one in place.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from threading import Lock
 from typing import TYPE_CHECKING, TypeVar, cast
 
-from rtkit.component.buffer import AnyRing, Buffer, Pulled, Sink, Source, make_ring
+from rtkit.component.any_port import Port
+from rtkit.component.buffer import (
+    AnyRing,
+    AwaitedRing,
+    Buffer,
+    BufferFeed,
+    Pulled,
+    Sink,
+    Source,
+    make_ring,
+)
 from rtkit.component.definition import definition_of
 from rtkit.component.options import ConnectorOptions, EmptyPolicy, PortStatus, parse_options
 from rtkit.component.port_watch import Watchable
 from rtkit.component.typenames import type_name
-from rtkit.errors import Malformed, Refused
+from rtkit.errors import Malformed
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortProfile
 
@@ -23,64 +32,12 @@ if TYPE_CHECKING:
     from rtkit.component.held_values import HeldValues
 
 T = TypeVar("T")
-P = TypeVar("P", bound="Port")
-_UNLIMITED = -1
 _MOST_LEFT = 64
 """How many closed connectors an in port keeps the unread values of."""
 _OK = PortStatus.OK  # looking a member up in its enumeration would be a tenth of a write
 Renew = Callable[[Sink[T]], object]
 """Receives the sink to use from now on."""
 Listener = Callable[[], None]
-
-
-class Port:
-    """Base of all ports: a name, properties, and the ids of its connectors.
-
-    Declared on a component class a port is a pattern; each instance gets one of its own.
-    """
-
-    port_type: PortType
-    limit_key = "connection_limit"
-
-    def __init__(
-        self, name: str, properties: Mapping[str, str] | None = None, *, doc: str = ""
-    ) -> None:
-        self.name = name
-        self.properties: dict[str, str] = {"port.port_type": self.port_type.value}
-        if doc:
-            self.properties["description"] = doc
-        self.properties.update(properties or {})
-        self._lock = Lock()
-        self._connectors: tuple[str, ...] = ()
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        self.name = self.name or name.rstrip("_")
-
-    @property
-    def connectors(self) -> tuple[str, ...]:
-        """Ids of the connectors that are open."""
-        return self._connectors
-
-    @property
-    def profile(self) -> PortProfile:
-        """The port as others see it."""
-        return PortProfile(self.name, self.port_type, dict(self.properties))
-
-    def copy(self) -> Port:
-        """Return a port of the same kind without connectors, for another instance."""
-        return type(self)(self.name, self.properties)
-
-    def _admit(self, connector_id: str) -> None:
-        if connector_id in self._connectors:
-            raise Refused(f"port {self.name} has a connector of id {connector_id} already")
-        text = self.properties.get(self.limit_key, "").strip()
-        limit = int(text) if text.isascii() and text.isdigit() else _UNLIMITED
-        if 0 <= limit <= len(self._connectors):
-            raise Refused(f"port {self.name} takes no more than {limit} connectors")
-        self._connectors = (*self._connectors, connector_id)
-
-    def _dismiss(self, connector_id: str) -> None:
-        self._connectors = tuple(each for each in self._connectors if each != connector_id)
 
 
 class DataPort(Port, Watchable[T]):
@@ -143,6 +100,7 @@ class InPort(DataPort[T]):
         self._waits = False
         self._reads_back = True
         self._renewals: dict[str, tuple[AnyRing[T], Renew[T]]] = {}
+        self._feeds: dict[str, BufferFeed] = {}
         self._listener: Listener | None = None
         self._turn = 0
         self._last: T | None = None
@@ -233,6 +191,12 @@ class InPort(DataPort[T]):
             self._listener = listener
             self._rewire()
 
+    def feed(self, connector_id: str, feed: BufferFeed) -> None:
+        """Let the reader receive by itself what fills the buffer of a connector."""
+        with self._lock:
+            self._feeds[connector_id] = feed
+            self._rewire()
+
     def fills(self) -> dict[str, tuple[int, int, int]]:
         """Return by connector how many values wait, how many fit, how many were dropped.
 
@@ -270,6 +234,7 @@ class InPort(DataPort[T]):
         with self._lock:
             self._dismiss(connector_id)
             self._renewals.pop(connector_id, None)
+            self._feeds.pop(connector_id, None)
             closed = self._policies.pop(connector_id, None)
             if closed is not None:
                 buffer = closed[0]
@@ -312,6 +277,9 @@ class InPort(DataPort[T]):
     def _rewire(self) -> None:
         for connector_id, (ring, renew) in self._renewals.items():
             renew(self._sink_of(connector_id, ring))
+            if isinstance(ring, AwaitedRing):  # a listener is told at once, reader or none
+                feed = self._feeds.get(connector_id)
+                ring.feed = feed if self._listener is None else None
 
     def _sink_of(self, connector_id: str, ring: AnyRing[T]) -> Sink[T]:
         watch = self._watch

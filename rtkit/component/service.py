@@ -34,11 +34,11 @@ from copy import copy
 from threading import Lock
 from typing import Any, Generic, NamedTuple, Protocol, Self, TypeVar, cast
 
+from rtkit.component.any_port import Port
 from rtkit.component.interface import Interface, InterfaceMethod
 from rtkit.component.invocation import CallTarget, ProvidedInterface, Remote
 from rtkit.component.kinds import read_float
 from rtkit.component.options import DEFAULT_TIMEOUT_S
-from rtkit.component.port import Port
 from rtkit.errors import Malformed, NotFound, Refused, Unreachable
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortInterfaceProfile, PortProfile

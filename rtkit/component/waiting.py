@@ -11,7 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import TIMEOUT_MAX, Lock, get_ident
+from threading import TIMEOUT_MAX, get_ident
 
 _LONGEST_S = 3600.0
 """Longest wait that is granted [s]: a callback in an unbounded wait counts as stuck."""
@@ -63,10 +63,13 @@ def waiting(bound_s: float) -> Iterator[None]:
         driven.grant(time.monotonic_ns() - began_ns - granted_ns)
 
 
-def wait_for(wakeup: Lock, bound_s: float) -> float:
-    """Wait until `wakeup` is released, at most `bound_s` [s]; return the rest of that bound [s]."""
+def wait_for(wait: Callable[[float], bool], bound_s: float) -> float:
+    """Wait at most `bound_s` [s]; return the rest of that bound [s].
+
+    `wait` does so for a time [s] and returns whether what is waited for has come.
+    """
     began_ns = time.monotonic_ns()
-    is_released = wakeup.acquire(timeout=min(bound_s, _BRIEF_S))
+    is_there = wait(min(bound_s, _BRIEF_S))
     waited_ns = time.monotonic_ns() - began_ns
     driven = _driven.get(get_ident())
     if driven is not None:
@@ -75,8 +78,8 @@ def wait_for(wakeup: Lock, bound_s: float) -> float:
             driven.grant(driven.owed_ns)
             driven.owed_ns = 0
     left_s = bound_s - waited_ns / 1e9
-    if is_released or left_s <= 0:
+    if is_there or left_s <= 0:
         return left_s
     with waiting(left_s):
-        wakeup.acquire(timeout=min(left_s, TIMEOUT_MAX))
+        wait(min(left_s, TIMEOUT_MAX))
     return bound_s - (time.monotonic_ns() - began_ns) / 1e9

@@ -21,7 +21,7 @@ from rtkit.container.port_wiring import PortWiring
 from rtkit.deployment.message import Message
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link import places
-from rtkit.link.streams import Streams
+from rtkit.link.local.streams import LocalStreams
 from rtkit.link.threads import start_thread
 
 _SETTLE_S = 0.5
@@ -45,7 +45,9 @@ class AttachedProcess:
         self._connection = ManagerConnection(
             places.control_socket(manager), f"{name}_{os.getpid()}", self._ending, is_guest=True
         )
-        self._wiring = PortWiring(host, Streams(places.data_socket(manager, os.getpid())), manager)
+        self._wiring = PortWiring(
+            host, LocalStreams(places.data_socket(manager, os.getpid())), manager
+        )
         self._container = ComponentContainer(self._send, self._wiring, component_factory=None)
         self._held: set[str] = set()
         self._stacks: int | None = None

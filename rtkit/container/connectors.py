@@ -15,10 +15,11 @@ from typing import Any, TypeVar
 
 from rtkit import fault
 from rtkit.component import invocation
+from rtkit.component.any_port import Port
 from rtkit.component.base import Component
 from rtkit.component.invocation import CallRouting, CallTarget, Direct, Remote
 from rtkit.component.options import parse_options
-from rtkit.component.port import InPort, OutPort, Port
+from rtkit.component.port import InPort, OutPort
 from rtkit.component.reentrancy import Reentrancy
 from rtkit.component.service import ServicePort
 from rtkit.component.waiting import waiting

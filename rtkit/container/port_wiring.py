@@ -9,11 +9,12 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, Protocol
+from typing import Any
+from weakref import WeakKeyDictionary, ref
 
 from rtkit.component.buffer import Sink, Source, make_ring, select
 from rtkit.component.carried import passage
-from rtkit.component.codec import codec_for, encoder_for
+from rtkit.component.codec import codec_for, encoder_for, splitter_for
 from rtkit.component.options import (
     NUMBERED,
     ConnectorOptions,
@@ -27,9 +28,17 @@ from rtkit.component.port import InPort, OutPort
 from rtkit.component.waiting import waiting
 from rtkit.errors import Malformed
 from rtkit.link import zenoh_keys
-from rtkit.link.ends import CallerEnd, Fetcher, Inlet, Outlet
-from rtkit.link.routed_streams import RoutedStreams
-from rtkit.link.streams import Streams
+from rtkit.link.ends import (
+    CallerEnd,
+    ConnectorEnd,
+    Fetcher,
+    Inlet,
+    Octets,
+    Outlet,
+    Payload,
+    Streams,
+)
+from rtkit.link.routed_streams import StreamsByRouter
 from rtkit.link.threads import start_thread
 from rtkit.logs.late import late
 from rtkit.rtc.far_ends import host_of, own_end, peer_of
@@ -38,11 +47,8 @@ from rtkit.rtc.profiles import ConnectorProfile
 MATCH_S = 5.0
 """How long a sender looks for its receiver [s]."""
 
+_SEVERAL = 2
 _log = late(__name__)
-
-
-class _End(Protocol):
-    def close(self) -> None: ...
 
 
 class PortWiring:
@@ -57,9 +63,12 @@ class PortWiring:
     def __init__(self, host: str, streams: Streams, manager: str = "") -> None:
         self._host = host
         self._near = streams
-        self._far = RoutedStreams(manager)
+        self._far = StreamsByRouter(manager)
         streams.report = lambda text: _log().warning("%s", text)
-        self._ends: dict[str, list[_End]] = {}
+        self._ends: dict[str, list[ConnectorEnd]] = {}
+        self._encoders: WeakKeyDictionary[OutPort[Any], dict[bool, EncodedOnce]] = (
+            WeakKeyDictionary()
+        )
 
     def join(self, connector: ConnectorProfile, out: OutPort[Any], into: InPort[Any]) -> None:
         """Connect two ports of this process; values that nobody can change are handed over."""
@@ -88,9 +97,15 @@ class PortWiring:
         sink = _present_sink(into, connector)
         decode = codec_for(into.data_type_for(connector)).decode
 
-        deliver = _changing(sink, decode, connector.connector_id)
-        with _undone(lambda: into.close(connector.connector_id)):
-            endpoint, inlet = self._streams(connector).receive(self._key(connector, 1), deliver)
+        id, options = connector.connector_id, parse_options(connector.properties)
+        deliver = _changing(sink, decode, id)
+        with _undone(lambda: into.close(id)):
+            endpoint, inlet = self._streams(connector).receive(
+                self._key(connector, 1),
+                deliver,
+                is_patient=options.inport.full_policy is FullPolicy.BLOCK,
+            )
+        into.feed(id, inlet)
         self.keep(connector, inlet)
         return endpoint
 
@@ -119,14 +134,28 @@ class PortWiring:
     def send(self, connector: ConnectorProfile, out: OutPort[Any], outlet: Outlet) -> None:
         """Have a port send to the receiving end that was found."""
         options = parse_options(connector.properties)
-        encode = encoder_for(out.data_type, is_big_endian=options.is_big_endian)
-        put = outlet.put
+        encode = self._encoder(out, is_big_endian=options.is_big_endian)
+        put, offer, patience_s = outlet.put, outlet.offer, outlet.patience_s
 
         def write(value: Any) -> PortStatus | None:
             return None if put(encode(value)) else PortStatus.CONNECTION_LOST
 
-        self._attach(connector, out, write, options, is_encoding=True)
+        def write_patiently(value: Any) -> PortStatus | None:
+            octets = encode(value)
+            if offer(octets):
+                return None
+            with waiting(patience_s):
+                return None if put(octets) else PortStatus.CONNECTION_LOST
+
+        sink = write_patiently if patience_s else write
+        self._attach(connector, out, sink, options, is_encoding=True)
         self.keep(connector, outlet)
+
+    def _encoder(self, out: OutPort[Any], *, is_big_endian: bool) -> Callable[[Any], Payload]:
+        """Return the encoder of all connectors of a port that want one order of bytes."""
+        split = splitter_for(out.data_type, is_big_endian=is_big_endian)
+        by_order = self._encoders.setdefault(out, {})
+        return by_order.setdefault(is_big_endian, EncodedOnce(out, split))
 
     def find_source(self, connector: ConnectorProfile, endpoint: str) -> Fetcher:
         """Reach for the end of a pull connector that is asked; on a thread of its own."""
@@ -138,7 +167,7 @@ class PortWiring:
         decode = codec_for(into.data_type_for(connector)).decode
         bound_s = options.inport.read_timeout + options.outport.read_timeout
 
-        def fetch() -> bytes | None:
+        def fetch() -> Octets | None:
             with waiting(bound_s):
                 return fetcher.fetch(bound_s)
 
@@ -176,7 +205,7 @@ class PortWiring:
             inlet.settle(max(0.0, until - time.monotonic()))
         return sum(inlet.lost for inlet in inlets)
 
-    def _all_ends(self) -> list[_End]:
+    def _all_ends(self) -> list[ConnectorEnd]:
         return [end for ends in list(self._ends.values()) for end in ends]
 
     def send_rest(self, connector_id: str, timeout_s: float) -> None:
@@ -223,7 +252,7 @@ class PortWiring:
         else:
             out.attach(connector.connector_id, sink, is_encoding=is_encoding)
 
-    def keep(self, connector: ConnectorProfile, end: _End) -> None:
+    def keep(self, connector: ConnectorProfile, end: ConnectorEnd) -> None:
         """Have an end closed when its connector is cut."""
         self._ends.setdefault(connector.connector_id, []).append(end)
 
@@ -249,6 +278,32 @@ def _undone(undo: Callable[[], object]) -> Iterator[None]:
     except Exception:
         undo()
         raise
+
+
+class EncodedOnce:
+    """Encodes a value for all connectors of a port that it is written to.
+
+    Args:
+        out: The port; each of its writes has a number of its own.
+        encode: Encodes a value.
+    """
+
+    def __init__(self, out: OutPort[Any], encode: Callable[[Any], Payload]) -> None:
+        self._out = ref(out)
+        self._encode = encode
+        self._value: Any = None
+        self._made: Payload = b""
+        self._write = -1
+
+    def __call__(self, value: Any) -> Payload:
+        """Return the encoding."""
+        out = self._out()
+        if out is None or len(out.connectors) < _SEVERAL:
+            return self._encode(value)
+        if value is not self._value or out.written != self._write:
+            self._made = self._encode(value)
+            self._value, self._write = value, out.written
+        return self._made
 
 
 def _is_wrapped(options: ConnectorOptions) -> bool:

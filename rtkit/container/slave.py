@@ -23,7 +23,7 @@ from rtkit.container.port_wiring import PortWiring
 from rtkit.container.slave_checkpoint import CheckpointWriter, checkpoint_path
 from rtkit.container.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
 from rtkit.deployment.message import Message
-from rtkit.link.streams import Streams
+from rtkit.link.local.streams import LocalStreams
 from rtkit.logs.logs import Log, hand_over
 from rtkit.modules.loader import Loader
 
@@ -47,7 +47,7 @@ class Slave:
         self._log = log
         self._connection: ManagerConnection
         self._stacks: int
-        wiring = PortWiring(settings["host"], Streams(settings["data"]), settings["manager"])
+        wiring = PortWiring(settings["host"], LocalStreams(settings["data"]), settings["manager"])
         paths = list(settings["load_path"])
         factory = ComponentFactory(Loader(paths), paths)
         self._container = ComponentContainer(self._send, wiring, factory)

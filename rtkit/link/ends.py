@@ -2,247 +2,192 @@
 
 from __future__ import annotations
 
-import contextlib
-import queue
-import struct
-import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from uuid import uuid4
+from typing import Protocol
 
-import zenoh
-
-from rtkit.errors import Unreachable
-from rtkit.link.threads import start_thread
-from rtkit.link.zenoh import ask
-
-Deliver = Callable[[bytes], object]
-_NUMBER = struct.Struct("<Q")
-_TOTAL = b"="
-"""Prefix of a number that is a total, not that of a value."""
+Octets = bytes | memoryview
+Payload = Octets | list[Octets]
+"""What is sent: octets, or the parts that make them up, which are not changed meanwhile."""
+Deliver = Callable[[Octets], object]
 
 
-def _question(key: object) -> str:
-    """Return the key on which a sender is asked how many values it has sent."""
-    return f"{key}/sent"
+def joined(value: Payload) -> bytes:
+    """Return what is sent as one piece."""
+    return b"".join(value) if isinstance(value, list) else bytes(value)
 
 
-def _undeclare(
-    declared: zenoh.Subscriber[None] | zenoh.Queryable[None] | zenoh.Publisher | None,
-) -> None:
-    # While another thread is inside `put`, zenoh refuses ("Already borrowed"); a publisher then
-    # goes with its last reference.
-    with contextlib.suppress(zenoh.ZError, RuntimeError):
-        if declared is not None:
-            declared.undeclare()  # type: ignore[no-untyped-call]
+class Reader(Protocol):
+    """Lets the thread that reads a port take values from their stream by itself."""
+
+    def receive(self, timeout_s: float) -> bool:
+        """Deliver the next value; False when none comes in time [s]."""
+
+    def leave(self) -> None:
+        """Have others take them again."""
 
 
-class Outlet:
-    """Sending end of one stream; `put` may be called from one thread at a time."""
+class Outlet(ABC):
+    """Sending end of one stream; `put` may be called from one thread at a time.
 
-    def __init__(
-        self,
-        session: zenoh.Session,
-        publisher: zenoh.Publisher,
-        release: Callable[[], None],
-        *,
-        is_numbered: bool,
-    ) -> None:
-        self._session = session
-        self._publisher = publisher
-        self._release = release
-        self._is_numbered = is_numbered
-        self._sent = 0
-        self._asked: zenoh.Subscriber[None] | None = None
-        if is_numbered:
-            self._asked = session.declare_subscriber(_question(publisher.key_expr), self._answer)
+    Attributes:
+        patience_s: How long `put` waits at most where it would lose a value; 0: never [s].
+    """
 
-    def put(self, payload: bytes) -> bool:
-        """Send one value; False when the stream is closed."""
-        number = _NUMBER.pack(self._sent) if self._is_numbered else None
-        self._sent += 1
-        try:
-            self._publisher.put(payload, attachment=number)
-        except (zenoh.ZError, RuntimeError):  # the latter while it is being closed
-            return False
-        return True
+    patience_s = 0.0
 
+    @abstractmethod
+    def put(self, value: Payload) -> bool:
+        """Send one value; False when the stream is closed, or nobody took it in time."""
+
+    def offer(self, value: Payload) -> bool:
+        """Send one value if that needs no waiting; False when it was not sent."""
+        return self.put(value)
+
+    @abstractmethod
     def flush(self, timeout_s: float) -> bool:
-        """Wait until the receiver has all that was put before; False when it did not confirm.
+        """Wait until the receiver has all that was put before; False when it did not confirm."""
 
-        A mark follows the values, which the receiver sends back when it comes to it.
-        """
-        key = str(self._publisher.key_expr)
-        arrived = threading.Event()
-        mark = f"{key}/flushed/{uuid4().hex}"
-        try:
-            on_sample = self._session.declare_subscriber(mark, lambda _sample: arrived.set())
-            try:
-                block = zenoh.CongestionControl.BLOCK
-                self._session.put(key, b"", attachment=mark.encode(), congestion_control=block)
-                return arrived.wait(timeout_s)
-            finally:
-                on_sample.undeclare()  # type: ignore[no-untyped-call]
-        except zenoh.ZError:
-            return False
-
-    def _answer(self, _sample: zenoh.Sample) -> None:
-        """Send how many values were sent before, in their row, so that it comes after them."""
-        with contextlib.suppress(zenoh.ZError, RuntimeError):
-            self._session.put(
-                self._publisher.key_expr,
-                b"",
-                attachment=_TOTAL + _NUMBER.pack(self._sent),
-                congestion_control=zenoh.CongestionControl.BLOCK,
-            )
-
+    @abstractmethod
     def close(self) -> None:
         """Close this end; the other one receives nothing more."""
-        _undeclare(self._asked)
-        _undeclare(self._publisher)
-        self._release()
 
 
-class Inlet:
+class Inlet(ABC):
     """Receiving end of one stream: values are pushed to it, or asked of it.
 
     Attributes:
         lost: Values that were sent and did not arrive, where the sender numbers them.
     """
 
-    def __init__(self) -> None:
-        self._declared: zenoh.Subscriber[None] | zenoh.Queryable[None] | None = None
-        self._ask: Callable[[], None] | None = None
-        self._is_reported = threading.Event()
-        self._next = 0
-        self.lost = 0
+    lost = 0
 
-    def receive(self, session: zenoh.Session, key: str, deliver: Deliver) -> None:
-        """Call `deliver` with each value from now on."""
+    def borrow(self) -> Reader | None:
+        """Have this thread receive; None when that is not possible now."""
+        return None
 
-        def on_sample(sample: zenoh.Sample) -> None:
-            attachment = sample.attachment
-            if attachment is None:
-                deliver(sample.payload.to_bytes())
-            elif len(attachment) == _NUMBER.size:
-                self._count(*_NUMBER.unpack(attachment.to_bytes()))
-                self._next += 1
-                deliver(sample.payload.to_bytes())
-            elif len(attachment) == _NUMBER.size + len(_TOTAL):
-                self._count(*_NUMBER.unpack(attachment.to_bytes()[len(_TOTAL) :]))
-                self._is_reported.set()
-            else:
-                session.put(attachment.to_string(), b"")
+    def sip(self) -> None:  # noqa: B027 - most need not
+        """Deliver what has come, if a reader has borrowed this and is not there."""
 
-        self._declared = session.declare_subscriber(key, on_sample)
-        self._ask = lambda: session.put(_question(key), b"")
-
+    @abstractmethod
     def settle(self, timeout_s: float) -> bool:
         """Count losses behind the last value too; False when the sender does not report them.
 
         It is for streams whose values are numbered.
         """
-        if self._ask is None:
-            return False
-        self._is_reported.clear()
-        try:
-            self._ask()
-        except zenoh.ZError:
-            return False
-        return self._is_reported.wait(timeout_s)
 
-    def answer(self, session: zenoh.Session, key: str, reply: Callable[[], bytes | None]) -> None:
-        """Answer with the next value whenever it is asked for from now on."""
-
-        def asked(query: zenoh.Query) -> None:
-            with query:
-                value = reply()
-                if value is not None:
-                    query.reply(key, value)
-
-        self._declared = session.declare_queryable(key, asked)
-
-    def _count(self, number: int) -> None:
-        if number > self._next:
-            self.lost += number - self._next
-        self._next = number
-
+    @abstractmethod
     def close(self) -> None:
         """Take no part in the stream any more."""
-        _undeclare(self._declared)
 
 
-class _AskingEnd:
-    """End of a connector that asks the other one."""
-
-    def __init__(self, session: zenoh.Session, key: str, release: Callable[[], None]) -> None:
-        self._session = session
-        self._key = key
-        self._release = release
-
-    def close(self) -> None:
-        """Ask no more."""
-        self._release()
-
-
-class Fetcher(_AskingEnd):
+class Fetcher(ABC):
     """Asking end of one pull stream."""
 
-    def fetch(self, timeout_s: float) -> bytes | None:
+    @abstractmethod
+    def fetch(self, timeout_s: float) -> Octets | None:
         """Return the next value, None when the other end has none or is gone."""
-        try:
-            replies = ask(self._session, self._key, timeout_s)
-        except zenoh.ZError:  # it was closed while the port was being read
-            return None
-        return next((reply.ok.payload.to_bytes() for reply in replies if reply.ok), None)
 
-
-class ProviderEnd:
-    """Provider's end of a service connector: answers one call after the other.
-
-    It does so on a thread of its own, which may be inside a provider that never comes back:
-    nothing waits for it.
-    """
-
-    def __init__(self, key: str, reply_to: Callable[[bytes], bytes]) -> None:
-        self._key = key
-        self._reply_to = reply_to
-        self._queue: queue.SimpleQueue[zenoh.Query | None] = queue.SimpleQueue()
-        self._declared: zenoh.Queryable[None] | None = None
-
-    def declare(self, session: zenoh.Session) -> None:
-        """Take calls from now on."""
-        handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
-        start_thread(self._run, f"serve {self._key}")
-        self._declared = session.declare_queryable(self._key, handler)
-
+    @abstractmethod
     def close(self) -> None:
-        """Take no more calls."""
-        _undeclare(self._declared)
-        self._queue.put(None)
-
-    def _run(self) -> None:
-        while (query := self._queue.get()) is not None:
-            with query, contextlib.suppress(zenoh.ZError):  # the requester may be gone
-                request = query.payload.to_bytes() if query.payload is not None else b""
-                query.reply(self._key, self._reply_to(request))
-            del query  # one that is kept lets its caller wait
+        """Ask no more."""
 
 
-class CallerEnd(_AskingEnd):
+class CallerEnd(ABC):
     """Caller's end of a service connector."""
 
+    @abstractmethod
     def call(self, request: bytes, timeout_s: float) -> bytes:
         """Return the reply to a request.
 
         Raises:
             Unreachable: There was none in time, or nobody is there any more.
         """
-        try:
-            replies = ask(self._session, self._key, timeout_s, request)
-        except zenoh.ZError as error:  # closed meanwhile
-            raise Unreachable("the connection is closed") from error
-        for reply in replies:
-            if reply.ok is not None:
-                return reply.ok.payload.to_bytes()
-            raise Unreachable(f"no answer within {timeout_s:g} s")
-        raise Unreachable("the provider is gone")
+
+    @abstractmethod
+    def close(self) -> None:
+        """Call no more."""
+
+
+class ConnectorEnd(Protocol):
+    """Any end of a connector."""
+
+    def close(self) -> None:
+        """Take no part in it any more."""
+
+
+class Streams(ABC):
+    """Opens all streams of one process, by one way.
+
+    Attributes:
+        report: Is told, in a line, what keeps values from being sent.
+    """
+
+    def __init__(self) -> None:
+        self.report: Callable[[str], object] = lambda _text: None
+
+    @abstractmethod
+    def receive(self, key: str, deliver: Deliver, *, is_patient: bool = False) -> tuple[str, Inlet]:
+        """Listen on `key`; return the endpoint for the sender and the stream's end.
+
+        `deliver` is called with one value after the other. One that is patient may take its time:
+        other streams do not wait for it.
+
+        Raises:
+            Unreachable: The socket cannot be made.
+        """
+
+    @abstractmethod
+    def send(
+        self,
+        endpoint: str,
+        key: str,
+        timeout_s: float,
+        *,
+        is_blocking: bool = False,
+        is_numbered: bool = False,
+    ) -> Outlet:
+        """Open the sending end of a stream; returns when the receiver was found.
+
+        A blocking one waits where another would lose values. One that numbers its values lets the
+        receiver count what is lost.
+
+        Raises:
+            Unreachable: It was not, within `timeout_s` [s].
+        """
+
+    @abstractmethod
+    def answer(self, key: str, next_value: Callable[[], Octets | None]) -> tuple[str, ConnectorEnd]:
+        """Be asked for values on `key`; return the endpoint for who asks and the stream's end.
+
+        Raises:
+            Unreachable: The socket cannot be made.
+        """
+
+    @abstractmethod
+    def ask(self, endpoint: str, key: str, timeout_s: float) -> Fetcher:
+        """Open the end of a pull stream that asks.
+
+        Raises:
+            Unreachable: Nobody listens at `endpoint`.
+        """
+
+    @abstractmethod
+    def serve(self, key: str, reply_to: Callable[[bytes], bytes]) -> tuple[str, ConnectorEnd]:
+        """Answer calls on `key`; return the endpoint for who calls and the connector's end.
+
+        Raises:
+            Unreachable: The socket cannot be made.
+        """
+
+    @abstractmethod
+    def caller(self, endpoint: str, key: str, timeout_s: float) -> CallerEnd:
+        """Open the end of a service connector that calls.
+
+        Raises:
+            Unreachable: Nobody listens at `endpoint`.
+        """
+
+    @abstractmethod
+    def close(self) -> None:
+        """End every stream."""

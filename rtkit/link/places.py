@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import stat
@@ -373,3 +374,10 @@ def check_socket_length(path: str) -> str:
             f" set RTKIT_RUNTIME_DIR to a shorter folder: {path}"
         )
     return path
+
+
+def remove_socket(path: str) -> None:
+    """Remove a socket and the lock file that zenoh lays beside it."""
+    for name in (path, path + ".lock"):
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(name)

@@ -14,14 +14,16 @@ from contextlib import suppress
 _PEER = struct.Struct("3i")
 
 
-def connect(path: str, timeout_s: float | None = None) -> socket.socket:
-    """Connect to the unix socket of a process of this user.
+def connect(
+    path: str, timeout_s: float | None = None, *, keeps_packets: bool = False
+) -> socket.socket:
+    """Connect to the unix socket of a process of this user; one may keep the bounds of packets.
 
     Raises:
         PermissionError: A process of another user listens there: nothing is sent to it.
         OSError: Nobody does.
     """
-    end = socket.socket(socket.AF_UNIX)
+    end = _socket(keeps_packets)
     try:
         end.settimeout(timeout_s)
         end.connect(path)
@@ -33,18 +35,20 @@ def connect(path: str, timeout_s: float | None = None) -> socket.socket:
     return end
 
 
-def listen(path: str) -> socket.socket:
+def listen(path: str, *, keeps_packets: bool = False, backlog: int = 1) -> socket.socket:
     """Listen on a unix socket, in the place of one that is left there.
+
+    So many may wait for being let in at a time.
 
     Raises:
         OSError: It cannot be made.
     """
     with suppress(FileNotFoundError):
         os.unlink(path)
-    end = socket.socket(socket.AF_UNIX)
+    end = _socket(keeps_packets)
     try:
         end.bind(path)
-        end.listen(1)
+        end.listen(backlog)
     except BaseException:
         end.close()
         raise
@@ -85,6 +89,12 @@ def pid_of(end: socket.socket) -> int:
 def user_of(end: socket.socket) -> int:
     """Return the uid of the process at the other end of a unix socket."""
     return _peer(end)[1]
+
+
+def _socket(keeps_packets: bool) -> socket.socket:
+    return socket.socket(
+        socket.AF_UNIX, socket.SOCK_SEQPACKET if keeps_packets else socket.SOCK_STREAM
+    )
 
 
 def _peer(end: socket.socket) -> tuple[int, int]:

@@ -3,9 +3,9 @@
 Rules kept here, each a hang or a loss that was measured otherwise: explicit endpoints and no
 scouting; bounded channels with consolidation off for every get; direct callbacks that only
 enqueue; queries dropped after their reply; sessions closed explicitly; nothing opened before a
-fork; no shared memory but for port data, because a session leaves a segment of it behind; a lease
-that outlasts any stand-still, because all links are of one host, where the kernel closes the
-sockets of the dead at once.
+fork; no shared memory, because a session leaves a segment of it behind; a lease that outlasts any
+stand-still, because all links are of one host, where the kernel closes the sockets of the dead at
+once.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ NOTHING: Mapping[str, str] = {}
 _ERROR_ENCODING = zenoh.Encoding("text/plain;rtkit.error")
 
 
-def _config(mode: str, settings: dict[str, str], has_shared_memory: bool) -> zenoh.Config:
+def _config(mode: str, settings: dict[str, str]) -> zenoh.Config:
     config = zenoh.Config()
     common = {
         # Decision 3: each endpoint is known, so nothing waits for scouting, or is found by it.
@@ -48,11 +48,8 @@ def _config(mode: str, settings: dict[str, str], has_shared_memory: bool) -> zen
         "open/return_conditions/connect_scouted": "false",
         "connect/retry": _RETRY,
         "transport/link/tx/lease": str(int(LEASE_S * 1000)),
-        "transport/shared_memory/enabled": str(has_shared_memory).lower(),
+        "transport/shared_memory/enabled": "false",
     }
-    if has_shared_memory:  # decision 3: links of port data alone
-        # Queries and replies stay out of it: there it races with its own watchdog under load.
-        common["transport/shared_memory/transport_optimization/messages"] = '["put"]'
     for key, value in {**common, **settings}.items():
         config.insert_json5(key, value)
     return config
@@ -72,12 +69,9 @@ def open_client(
     endpoint: str,
     timeout_s: float,
     *,
-    has_shared_memory: bool = False,
     more: Mapping[str, str] = NOTHING,
 ) -> zenoh.Session:
     """Open a client session to one endpoint, or fail within `timeout_s` [s].
-
-    Large values travel four times as fast between processes that have shared memory.
 
     Raises:
         Unreachable: Nobody listens there, or it does not answer.
@@ -90,7 +84,7 @@ def open_client(
         "transport/unicast/open_timeout": timeout_ms,
         **more,
     }
-    config = _config("client", settings, has_shared_memory)
+    config = _config("client", settings)
     opened = _in_background(lambda: zenoh.open(config))
     if isinstance(opened, zenoh.ZError):
         cause = f": {_bare(opened)}" if opened.__cause__ is not None else ""
@@ -128,7 +122,6 @@ def open_listener(
     endpoint: str,
     mode: str = "router",
     *,
-    has_shared_memory: bool = False,
     more: Mapping[str, str] = NOTHING,
 ) -> zenoh.Session:
     """Open a session that listens on one endpoint.
@@ -138,7 +131,7 @@ def open_listener(
     """
     settings = {"listen/endpoints": f'["{endpoint}"]', **more}
     try:
-        return _without_panic(lambda: zenoh.open(_config(mode, settings, has_shared_memory)))
+        return _without_panic(lambda: zenoh.open(_config(mode, settings)))
     except zenoh.ZError as error:
         raise Unreachable(f"cannot listen on {endpoint}: {_bare(error)}") from error
 
@@ -166,7 +159,7 @@ def open_between(endpoints: Iterable[str], rules: str, lease_ms: int) -> zenoh.S
         "transport/link/rx/max_message_size": str(_MOST_BETWEEN),
     }
     try:
-        return _without_panic(lambda: zenoh.open(_config("router", settings, False)))
+        return _without_panic(lambda: zenoh.open(_config("router", settings)))
     except zenoh.ZError as error:
         raise Unreachable(f"the routers cannot be joined: {_bare(error)}") from error
 

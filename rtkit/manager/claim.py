@@ -12,7 +12,6 @@ from contextlib import ExitStack
 from rtkit.errors import Refused
 from rtkit.link import places, unix
 from rtkit.link.processes import ProcessWatch, is_abandoned
-from rtkit.link.segments import remove_orphans
 
 _DYING_S = 1.0
 """How long a manager that was killed may still answer after its lock is free [s]."""
@@ -104,7 +103,6 @@ def remove_stale(name: str, living: Collection[int]) -> None:
     Raises:
         Refused: Something else than a socket lies there, or it cannot be removed.
     """
-    remove_orphans()
     folder = places.runtime_dir()
     own = (places.manager_socket(name), places.control_socket(name))
     left = [os.path.join(folder, entry) for entry in os.listdir(folder)]

@@ -275,7 +275,7 @@ def _open_endpoints(
     warn: Callable[[str], None],
     stack: ExitStack,
 ) -> Loop:
-    from rtkit.link.streams import remove_socket
+    from rtkit.link.places import remove_socket
     from rtkit.link.zenoh import ZenohLink, open_listener, unix_endpoint
     from rtkit.manager.endpoint_supervisor import TcpEndpoint
     from rtkit.manager.loop import Loop
@@ -334,7 +334,8 @@ def _container(
     from rtkit.container.heartbeats import Heartbeats, heartbeats_path
     from rtkit.container.port_wiring import PortWiring
     from rtkit.container.process_settings import add_log_files, configure
-    from rtkit.link.streams import Streams, remove_socket
+    from rtkit.link.local.streams import LocalStreams
+    from rtkit.link.places import remove_socket
     from rtkit.modules.loader import Loader
 
     loader = Loader(manager_properties.load_paths(state), imports_untried=False)
@@ -344,7 +345,7 @@ def _container(
     stack.callback(remove_socket, own_data)
     heartbeats = Heartbeats(heartbeats_path(data, state.pid))
     container = ComponentContainer(
-        report, PortWiring(state.host, Streams(own_data), state.name), ComponentFactory(loader)
+        report, PortWiring(state.host, LocalStreams(own_data), state.name), ComponentFactory(loader)
     )
     container.show_heartbeats(heartbeats)
     return container

@@ -12,13 +12,14 @@ from dataclasses import is_dataclass
 from typing import Any, Generic, TypeVar
 
 from rtkit.closing import Closing
+from rtkit.component.any_port import Port
 from rtkit.component.base import Component
 from rtkit.component.carried import carried
 from rtkit.component.fsm import EVENT_NAME, EventPort
 from rtkit.component.invocation import Direct, ProvidedInterface
 from rtkit.component.kinds import kind_of
 from rtkit.component.literal import zero_value
-from rtkit.component.port import InPort, OutPort, Port
+from rtkit.component.port import InPort, OutPort
 from rtkit.component.service import ServicePort
 from rtkit.component.typenames import type_name
 from rtkit.component.types import Time

@@ -347,13 +347,14 @@ import rtkit.cli.data.rtprint, rtkit.cli.data.printing
 import rtkit.component.fields, rtkit.component.value_text
 import rtkit.container.attached_process
 from rtkit.component import TimedLong
-from rtkit.link.streams import Streams
+from rtkit.link.local.streams import LocalStreams
 from rtkit.container.port_wiring import PortWiring
 from rtkit.container.container import ComponentContainer
 from rtkit.probe.probe import Tool
 from rtkit.probe.tap import Tap
 told = queue.SimpleQueue()
-holder = ComponentContainer(told.put, PortWiring("box", Streams("none")), component_factory=None)
+wiring = PortWiring("box", LocalStreams("none"))
+holder = ComponentContainer(told.put, wiring, component_factory=None)
 thread = threading.Thread(target=holder.run)
 thread.start()
 holder.post(lambda: holder.hold(Tool("Tool0", [Tap("in", {{}})], 0.0)))

@@ -14,7 +14,7 @@ from mosquittokit import PASSWORD
 from serialkit import Cable
 
 from rtkit.keys import authority
-from rtkit.link.streams import Streams
+from rtkit.link.local.streams import LocalStreams
 from rtkit.property.service import Service
 from rtkit.wires.serve import ServedObject, serve
 
@@ -66,10 +66,10 @@ def ends(monkeypatch: pytest.MonkeyPatch) -> Iterator[ExitStack]:
 
 
 @pytest.fixture
-def streams() -> Iterator[tuple[Streams, Streams]]:
+def streams() -> Iterator[tuple[LocalStreams, LocalStreams]]:
     """Two processes' worth of streams: who is called or receives, and who calls or sends."""
     with tempfile.TemporaryDirectory(prefix="rt") as folder:
-        first, second = Streams(f"{folder}/a"), Streams(f"{folder}/b")
+        first, second = LocalStreams(f"{folder}/a"), LocalStreams(f"{folder}/b")
         yield first, second
         second.close()
         first.close()

@@ -8,12 +8,12 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from rtkit.errors import Unreachable
-from rtkit.link.streams import Streams
+from rtkit.link.local.streams import LocalStreams
 
 KEY = "rtd/test/host/calls/0"
 
 
-def test_each_request_gets_its_own_reply(streams: tuple[Streams, Streams]) -> None:
+def test_each_request_gets_its_own_reply(streams: tuple[LocalStreams, LocalStreams]) -> None:
     provider, consumer = streams
     endpoint, _ = provider.serve(KEY, lambda request: b"re: " + request)
     caller = consumer.caller(endpoint, KEY, 5.0)
@@ -26,7 +26,7 @@ def test_each_request_gets_its_own_reply(streams: tuple[Streams, Streams]) -> No
 
 
 def test_a_provider_that_never_comes_back_is_waited_for_no_longer_than_told(
-    streams: tuple[Streams, Streams],
+    streams: tuple[LocalStreams, LocalStreams],
 ) -> None:
     provider, consumer = streams
     release = threading.Event()
@@ -46,7 +46,7 @@ def test_a_provider_that_never_comes_back_is_waited_for_no_longer_than_told(
     release.set()
 
 
-def test_nobody_answers_at_once(streams: tuple[Streams, Streams]) -> None:
+def test_nobody_answers_at_once(streams: tuple[LocalStreams, LocalStreams]) -> None:
     provider, consumer = streams
     endpoint, served = provider.serve(KEY, lambda request: b"")
     caller = consumer.caller(endpoint, KEY, 5.0)
@@ -56,7 +56,7 @@ def test_nobody_answers_at_once(streams: tuple[Streams, Streams]) -> None:
         caller.call(b"", 60.0)
 
 
-def test_a_caller_that_is_closed_calls_no_more(streams: tuple[Streams, Streams]) -> None:
+def test_a_caller_that_is_closed_calls_no_more(streams: tuple[LocalStreams, LocalStreams]) -> None:
     provider, consumer = streams
     endpoint, _ = provider.serve(KEY, lambda request: b"")
     caller = consumer.caller(endpoint, KEY, 5.0)
@@ -66,7 +66,7 @@ def test_a_caller_that_is_closed_calls_no_more(streams: tuple[Streams, Streams])
 
 
 def test_calls_of_several_connectors_do_not_wait_for_each_other(
-    streams: tuple[Streams, Streams],
+    streams: tuple[LocalStreams, LocalStreams],
 ) -> None:
     provider, consumer = streams
     meeting = threading.Barrier(2, timeout=5.0)

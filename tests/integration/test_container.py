@@ -20,8 +20,7 @@ from rtkit.container.container import ComponentContainer
 from rtkit.container.port_wiring import PortWiring
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.metrics import ComponentMetrics
-from rtkit.link.streams import Streams
-from rtkit.link.zenoh import unix_endpoint
+from rtkit.link.local.streams import LocalStreams
 from rtkit.modules.loader import Loader
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
@@ -119,7 +118,7 @@ class Process:
     def __init__(self, folder: Path) -> None:
         (folder / "Probe.py").write_text(MODULE)
         self.heard: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
-        wires = PortWiring("host", Streams(f"{folder}/data"))
+        wires = PortWiring("host", LocalStreams(f"{folder}/data"))
         self.loader = Loader([str(folder)])
         self.container = ComponentContainer(self.heard.put, wires, ComponentFactory(self.loader))  # type: ignore[arg-type]
         self.facts: dict[str, ComponentFacts] = {}
@@ -571,11 +570,11 @@ def test_a_silent_receiver_holds_up_nobody_else(apart: Apart) -> None:
     other = encode(ConnectorProfile("silent", "silent", ends))
     with (
         tempfile.TemporaryDirectory(prefix="rt") as folder,
-        socket.socket(socket.AF_UNIX) as endpoint,
+        socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as listener,
     ):
-        endpoint.bind(f"{folder}/silent")
-        endpoint.listen()
-        endpoint = unix_endpoint(f"{folder}/silent")
+        endpoint = f"{folder}/silent"
+        listener.bind(endpoint)
+        listener.listen()
         number = apart.sender.ask("source", connector=other, endpoint=endpoint)
         apart.sender.ok("source", **wish)
         assert number not in [message.get("reply") for message in apart.sender.before]

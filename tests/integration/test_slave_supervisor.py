@@ -131,27 +131,6 @@ def test_a_stranger_with_the_pid_of_a_guest_that_left_is_let_be(side: Side) -> N
         stranger.kill()
 
 
-def test_shared_memory_is_looked_through_once_for_all_slaves_that_ended(
-    side: Side, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    looks: list[int] = []
-    monkeypatch.setattr(
-        "rtkit.manager.slaves.slave_supervisor.remove_orphans", lambda: looks.append(1)
-    )
-    slave_supervisor = side.slave_supervisor
-    assert slave_supervisor.sweep_at is None
-    for key in (1, 2, 3):
-        slave_supervisor.fork(key, f"s{key}")
-        side.greeting()
-        assert side.told(SlaveForked)
-        slave_supervisor.signal(key, signal.SIGKILL)
-        assert side.told(SlaveEnded) == SlaveEnded(key, "signal 9")
-    assert not looks
-    assert slave_supervisor.sweep_at is not None
-    slave_supervisor.sweep()
-    assert (looks, slave_supervisor.sweep_at) == ([1], None)
-
-
 def test_what_a_killed_slave_forks_ends_with_it_though_no_zygote_looks(side: Side) -> None:
     """Each process forks one and exits, as those of a fork bomb may while others are killed."""
     fleeing = "import os, signal\nif os.fork():\n print(flush=True)\n signal.pause()\n"

@@ -17,10 +17,10 @@ from rtkit.link import zenoh
 RECEIVE = """
 import sys
 from rtkit.link import zenoh
-from rtkit.link.streams import Streams
+from rtkit.link.local.streams import LocalStreams
 folder, lease = sys.argv[1], float(sys.argv[2])
 zenoh.LEASE_S = lease
-streams = Streams(folder + "/a")
+streams = LocalStreams(folder + "/a")
 endpoint, _ = streams.receive("rtd/t/h/w", lambda value: print(value.decode(), flush=True))
 print(endpoint, flush=True)
 sys.stdin.read()
@@ -29,10 +29,10 @@ streams.close()
 SEND = """
 import sys
 from rtkit.link import zenoh
-from rtkit.link.streams import Streams
+from rtkit.link.local.streams import LocalStreams
 folder, lease, endpoint = sys.argv[1], float(sys.argv[2]), sys.argv[3]
 zenoh.LEASE_S = lease
-streams = Streams(folder + "/b")
+streams = LocalStreams(folder + "/b")
 outlet = streams.send(endpoint, "rtd/t/h/w", 10.0)
 print("ready", flush=True)
 for line in sys.stdin:

@@ -29,7 +29,7 @@ from rtkit.component.types import (
 from rtkit.component.value_text import plain
 from rtkit.container.port_wiring import PortWiring
 from rtkit.errors import Malformed
-from rtkit.link.streams import Streams
+from rtkit.link.local.streams import LocalStreams
 from rtkit.probe.defined import class_of
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
@@ -171,7 +171,7 @@ def usual(kind):
 def joined(cls):
     out, into = OutPort(cls, "out"), InPort(cls, "into")
     wire = ConnectorProfile("w", "w", (PortRef("A", "out"), PortRef("B", "into")), {})
-    PortWiring("", Streams("unused")).join(wire, out, into)
+    PortWiring("", LocalStreams("unused")).join(wire, out, into)
     return out, into
 
 
@@ -271,7 +271,7 @@ def test_two_readers_share_nothing_that_can_be_changed(value):
     out, into = joined(type(value))
     again = InPort(type(value), "again")
     wire = ConnectorProfile("v", "v", (PortRef("A", "out"), PortRef("B", "again")), {})
-    PortWiring("", Streams("unused")).join(wire, out, again)
+    PortWiring("", LocalStreams("unused")).join(wire, out, again)
     if isinstance(outcome(out.write, value), str):
         return
     one, other = into.read(), again.read()

@@ -124,7 +124,6 @@ def _launch(
 
 def _stop(app: App, name: str, *, is_kept: bool) -> None:
     """Stop a manager, or end the orphans of a killed one."""
-    from rtkit.link.segments import remove_orphans
     from rtkit.tree import managers
 
     absent = None
@@ -135,7 +134,6 @@ def _stop(app: App, name: str, *, is_kept: bool) -> None:
             raise
         absent = error
     left = _end_remains(name)
-    remove_orphans()  # its own, which it held until it ended
     is_forgotten = absent is not None and not is_kept and _forget_desired_state(name)
     if absent is not None and not left and not is_forgotten:
         raise absent

@@ -26,9 +26,7 @@ from rtkit.container.orphans import (
     reap_orphans,
 )
 from rtkit.container.slave_checkpoint import SlaveCheckpoint, checkpoint_path
-from rtkit.link.places import of_pid
-from rtkit.link.segments import remove_orphans
-from rtkit.link.streams import remove_socket
+from rtkit.link.places import of_pid, remove_socket
 from rtkit.manager.child_process import ENDS, STOPS, exit_reason
 from rtkit.manager.core import events as ev
 from rtkit.manager.predecessor.former_zygotes import FormerZygotes
@@ -322,13 +320,12 @@ class SlaveSupervisor:
         self._sweep_soon()
 
     def sweep(self) -> None:
-        """End what slaves that ended lately have left behind, and remove their shared memory.
+        """End what slaves that ended lately have left behind.
 
-        Once for many of them: each looks at all processes, and at the segments of all.
+        Once for many of them: each looks at all processes.
         """
         self.sweep_at = None
         self._end_families()
-        remove_orphans()
 
     def _end_families(self) -> None:
         if self._over:

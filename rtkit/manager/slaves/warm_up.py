@@ -29,8 +29,8 @@ from rtkit.container.manager_connection import ManagerConnection
 from rtkit.container.port_wiring import PortWiring
 from rtkit.container.slave_checkpoint import CheckpointWriter
 from rtkit.deployment.message import Message
+from rtkit.link.local.streams import LocalStreams
 from rtkit.link.places import of_pid
-from rtkit.link.streams import Streams
 from rtkit.logs.logs import Log
 from rtkit.modules.loader import Loader
 from rtkit.modules.neighbours import disown
@@ -99,7 +99,7 @@ class _Stage:
         self._read, self._write = os.pipe()
         self._connection = ManagerConnection(place, "rehearsal", self)
         self._replies: list[Message] = []
-        wiring = PortWiring("", Streams(place))
+        wiring = PortWiring("", LocalStreams(place))
         self._container = ComponentContainer(
             self._send, wiring, ComponentFactory(Loader([_FOLDER]))
         )

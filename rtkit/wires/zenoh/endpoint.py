@@ -9,8 +9,7 @@ from collections.abc import Iterable
 
 from rtkit.errors import Unreachable
 from rtkit.link import places, zenoh_keys
-from rtkit.link.places import host_name
-from rtkit.link.streams import remove_socket
+from rtkit.link.places import host_name, remove_socket
 from rtkit.link.zenoh import await_answerer, open_listener, unix_endpoint
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider

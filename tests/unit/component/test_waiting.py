@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from threading import Lock
+from threading import Event
 
 import pytest
 
@@ -50,7 +50,7 @@ def clock(monkeypatch):
 def wait(clock, after_s, bound_s):
     wakeup = Bell(clock, after_s)
     grant_by(wakeup.grants.append)
-    return wakeup, wait_for(wakeup, bound_s)
+    return wakeup, wait_for(wakeup.acquire, bound_s)
 
 
 def test_a_long_wait_is_granted_before_and_given_back(clock):
@@ -70,21 +70,20 @@ def test_brief_waits_are_granted_together(clock):
     grants = []
     grant_by(grants.append)
     for _ in range(1000):
-        assert wait_for(Bell(clock, 0.0003), 1.0) == pytest.approx(0.9997)
+        assert wait_for(Bell(clock, 0.0003).acquire, 1.0) == pytest.approx(0.9997)
     assert sum(grants) == pytest.approx(clock.now_ns, abs=1.1e6)
     assert 0 < len(grants) <= clock.now_ns / 1e6
 
 
 def test_what_was_owed_goes_with_who_drove_the_thread(clock):
     grant_by(lambda _: None)
-    wait_for(Bell(clock, 0.0009), 1.0)
+    wait_for(Bell(clock, 0.0009).acquire, 1.0)
     wakeup, _ = wait(clock, 0.0009, 1.0)
     assert wakeup.grants == []
 
 
 def test_who_is_driven_by_nobody_waits_all_the_same():
-    wakeup = Lock()
-    wakeup.acquire()
-    assert wait_for(wakeup, 0.001) <= 0
-    wakeup.release()
-    assert wait_for(wakeup, 1.0) > 0
+    wakeup = Event()
+    assert wait_for(wakeup.wait, 0.001) <= 0
+    wakeup.set()
+    assert wait_for(wakeup.wait, 1.0) > 0

@@ -7,14 +7,12 @@ import tempfile
 from collections.abc import Iterator
 from threading import Event, Thread
 
-from rtkit.cli.managers.doctor import ERROR, OK, WARNING, Diagnosis
+from rtkit.cli.managers.doctor import ERROR, OK, Diagnosis
 from rtkit.errors import Refused, RtkitError
 from rtkit.link import places
 
 _SIZE = 1 << 20
 _MOST_S = 5.0
-_SHM = "/dev/shm"
-_LEAST = 64 << 20
 
 
 def data_link() -> Iterator[Diagnosis]:
@@ -33,7 +31,7 @@ def data_link() -> Iterator[Diagnosis]:
             text = f"no connection can be tried: {error.strerror}: {error.filename}"
             found.append(Diagnosis("links", ERROR, text, "make room in the folder for sockets"))
 
-    # Zenoh ignores Ctrl-C while it opens a session, and may hang: the thread can be abandoned.
+    # A folder for sockets may be on a file system that hangs: the thread can be abandoned.
     thread = Thread(target=run, daemon=True)
     thread.start()
     thread.join(2 * _MOST_S)
@@ -41,76 +39,27 @@ def data_link() -> Iterator[Diagnosis]:
 
 
 def _tried(place: str) -> Diagnosis:
-    try:
-        from rtkit.link.streams import Streams
-    except ImportError as error:  # the check of the installation reports it, too
-        return _broken(str(error))
+    from rtkit.link.local.streams import LocalStreams
+
     arrived = Event()
-    into, out = (Streams(os.path.join(place, name)) for name in ("into", "out"))
+    reported: list[str] = []
+    into, out = (LocalStreams(os.path.join(place, name)) for name in ("into", "out"))
+    out.report = reported.append
     try:
         endpoint, _ = into.receive("value", lambda value: arrived.set())
         out.send(endpoint, "value", _MOST_S, is_blocking=True).put(bytes(_SIZE))
-        has_come = arrived.wait(_MOST_S)
+        has_come = arrived.wait(0.0 if reported else _MOST_S)
     except RtkitError as error:
         return _broken(str(error))
     finally:
-        shared = _shared_memory()
         for each in (out, into):
             each.close()
-        _remove(shared)
     if not has_come:
-        return _broken(f"a value of {_SIZE} bytes has not come within {_MOST_S:g} s")
-    return judge(into.slow or out.slow, _free())
-
-
-def judge(slow: str, free: int) -> Diagnosis:
-    """Judge a connection that works.
-
-    Args:
-        slow: Why it has no shared memory, empty if it has.
-        free: Free shared memory [bytes].
-    """
-    if slow:
-        text = f"large values between processes are copied, which is slower: {slow}"
-        cure = f"mount -t tmpfs -o size=512m tmpfs {_SHM} (of a container: --shm-size 512m)"
-        return Diagnosis("links", WARNING, text, cure, _SHM)
-    if free < _LEAST:
-        text = f"only {free >> 20} MiB are free in {_SHM}: large values may have to be copied"
-        cure = f"mount -o remount,size=512M {_SHM} (of a container: --shm-size 512m)"
-        return Diagnosis("links", WARNING, text, cure, _SHM)
-    text = f"values travel between processes; {free >> 20} MiB are free in {_SHM} for large ones"
-    return Diagnosis("links", OK, text, "", _SHM)
-
-
-def _free() -> int:
-    """Return the amount of free shared memory [bytes]."""
-    try:
-        status = os.statvfs(_SHM)
-    except OSError:
-        return 0
-    return status.f_bavail * status.f_frsize
+        within = f"a value of {_SIZE} bytes has not come within {_MOST_S:g} s"
+        return _broken(reported[0] if reported else within)
+    return Diagnosis("links", OK, "values travel between processes, large ones too", "")
 
 
 def _broken(why: str) -> Diagnosis:
     text = f"no connection between processes can be made: {why}"
     return Diagnosis("links", ERROR, text, "rtdoctor -v tells more; look at the lines above first")
-
-
-def _shared_memory() -> list[str]:
-    """Return the files of shared memory of this process, all of which it made itself."""
-    try:
-        with open("/proc/self/maps", encoding="utf-8", errors="replace") as file:
-            lines = [line.split(maxsplit=5) for line in file]
-    except OSError:
-        return []
-    paths = {line[5].strip() for line in lines if len(line) > 5}
-    return [path for path in paths if path.startswith(f"{_SHM}/") and path.endswith(".zenoh")]
-
-
-def _remove(paths: list[str]) -> None:
-    """Remove files that zenoh leaves of closed sessions, so that the check changes nothing."""
-    for path in paths:
-        try:
-            os.unlink(path)
-        except OSError:
-            continue  # zenoh has removed it first
