@@ -12,12 +12,18 @@ _ENDINGS = {".xml": XML, ".yaml": YAML, ".yml": YAML, ".json": JSON}
 _MARKS = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")
 _LOOKED_AT = 4096
 _COMPONENT_ROOTS = (b"RtcProfile", b"rtcProfile")
+_SYSTEM_ROOTS = (b"RtsProfile", b"rtsProfile")
 _YAML_ROOT = rb"^(---\s+)?\s*[\"']?[Rr]t[cs]Profile[\"']?\s*:"
 
 
 def may_be_component(head: bytes) -> bool:
     """Return whether a document that begins so may be an RTC profile, told without parsing."""
     return any(root in head.replace(b"\0", b"") for root in _COMPONENT_ROOTS)
+
+
+def may_be_system(head: bytes) -> bool:
+    """Return whether a document that begins so may be an RTS profile, told without parsing."""
+    return any(root in head.replace(b"\0", b"") for root in _SYSTEM_ROOTS)
 
 
 def check_form(form: str) -> None:

@@ -5,7 +5,7 @@ All that an edit is not about stays as it is: positions, bend points, content th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple, TypeVar
 
@@ -22,6 +22,10 @@ from rtkit.rtc.port_types import are_reversed
 from rtkit.rtc.profiles import PortProfile
 
 DIRECTIONS = ("RIGHT", "LEFT", "DOWN", "UP")
+BEND_POINTS = "BEND_POINT"
+"""Property of a connector: ``{1:(x,y),2:(x,y)}``, the corners of its wire [pixel]."""
+_INTERFACE, _DATAFLOW = "dataport.interface_type", "dataport.dataflow_type"
+_SUBSCRIPTION = "dataport.subscription_type"
 _UNSIZED = -1
 _Wire = TypeVar("_Wire", rts.DataPortConnector, rts.ServicePortConnector)
 
@@ -157,10 +161,10 @@ def connected(
         number,
         name,
         data_type,
-        properties.get("dataport.interface_type", "corba_cdr"),
-        properties.get("dataport.dataflow_type", "push"),
+        properties.get(_INTERFACE, "corba_cdr"),
+        properties.get(_DATAFLOW, "push"),
         *ends,
-        properties.get("dataport.subscription_type", "new"),
+        properties.get(_SUBSCRIPTION, "new"),
         properties=stated,
     )
     return replace(profile, data_port_connectors=(*profile.data_port_connectors, data))
@@ -198,6 +202,46 @@ def placed(profile: rts.RtsProfile, places: Mapping[Key, tuple[int, int]]) -> rt
     )
 
 
+def located(
+    profile: rts.RtsProfile,
+    key: Key,
+    at: tuple[int, int],
+    *,
+    size: tuple[int, int] | None = None,
+    direction: str = "",
+) -> rts.RtsProfile:
+    """Return a profile in which the box of a component has another size or direction.
+
+    Args:
+        profile: The profile.
+        key: The component.
+        at: Where it stands, if the profile does not say so.
+        size: Width and height [pixel]; None leaves them.
+        direction: Where its out ports point, one of `DIRECTIONS`; empty leaves it.
+    """
+
+    def change(component: rts.ComponentInstance) -> rts.ComponentInstance:
+        location = component.location
+        if location is None or not (location.x or location.y or location.width > 0):
+            location = _location(None, at)
+        width, height = size or (location.width, location.height)
+        turned = direction or location.direction
+        location = replace(location, width=width, height=height, direction=turned)
+        return replace(component, location=location)
+
+    return changed(profile, key, change)
+
+
+def bent(profile: rts.RtsProfile, id: str, points: Sequence[tuple[int, int]]) -> rts.RtsProfile:
+    """Return a profile in which the wire of a connector has these bend points [pixel]; or none.
+
+    Raises:
+        NotFound: There is no such connector.
+    """
+    text = ",".join(f"{number}:({x},{y})" for number, (x, y) in enumerate(points, 1))
+    return with_connector_properties(profile, id, {BEND_POINTS: f"{{{text}}}" if text else None})
+
+
 def identified(profile: rts.RtsProfile, vendor: str, name: str, version: str) -> rts.RtsProfile:
     """Return a profile with another identity.
 
@@ -233,7 +277,16 @@ def changed(
 def _stating(wire: _Wire, id: str, values: Mapping[str, str | None]) -> _Wire:
     if wire.connector_id != id:
         return wire
-    return replace(wire, properties=_with_values(wire.properties, values))
+    made = replace(wire, properties=_with_values(wire.properties, values))
+    if isinstance(made, rts.DataPortConnector):
+        # Three properties are attributes, too: what a connector is said to be is said once.
+        made = replace(
+            made,
+            interface_type=values.get(_INTERFACE) or made.interface_type,
+            dataflow_type=values.get(_DATAFLOW) or made.dataflow_type,
+            subscription_type=values.get(_SUBSCRIPTION) or made.subscription_type,
+        )
+    return made
 
 
 def _check_name(profile: rts.RtsProfile, name: str) -> None:

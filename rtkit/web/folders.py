@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from itertools import islice
 
@@ -11,6 +11,7 @@ from rtkit.errors import NotFound, Refused
 
 _ENDINGS = (".xml", ".yaml", ".yml", ".json")
 _MOST = 1000
+_HEAD = 4096
 _FLAGS = os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW
 _FOLDER = _FLAGS | os.O_DIRECTORY
 
@@ -18,6 +19,31 @@ _FOLDER = _FLAGS | os.O_DIRECTORY
 def profiles_in(folders: Sequence[str], endings: Sequence[str] = _ENDINGS) -> list[str]:
     """Return the paths of files whose names have some endings, 1000 at most."""
     return sorted(islice(_files(folders, tuple(endings)), _MOST))
+
+
+def profiles_of(
+    folders: Sequence[str], may_be: Callable[[bytes], bool], most: int = _MOST
+) -> list[str]:
+    """Return the paths of files that may be profiles of a kind, by how they begin.
+
+    Args:
+        folders: Those granted.
+        may_be: Tells that of the first bytes of a file.
+        most: So many are returned at most.
+    """
+    return sorted(islice((each for each in _files(folders, _ENDINGS) if _is(each, may_be)), most))
+
+
+def _is(path: str, may_be: Callable[[bytes], bool]) -> bool:
+    try:
+        with open(path, "rb", opener=_no_link) as stream:
+            return may_be(stream.read(_HEAD))
+    except OSError:
+        return False  # it went, or may not be read: then it cannot be opened either
+
+
+def _no_link(path: str, flags: int) -> int:
+    return os.open(path, flags | _FLAGS | os.O_NONBLOCK)
 
 
 def _files(folders: Sequence[str], endings: tuple[str, ...]) -> Iterator[str]:

@@ -20,7 +20,7 @@ from starlette.routing import Route
 from rtkit.api.live_records import Record
 from rtkit.builder.identifiers import class_name, module_name, type_name
 from rtkit.builder.standard_types import KNOWN
-from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.errors import Malformed, Refused
 from rtkit.profile.examine import examine
 from rtkit.profile.forms import FORMS, may_be_component
 from rtkit.profile.read import read_bytes
@@ -30,7 +30,7 @@ from rtkit.profile_tools.new_component import ComponentHeading, new_component
 from rtkit.web.audit.audit_log import Author
 from rtkit.web.builder.component_form import ERROR, WARNING, FieldFinding, Form, form_of, read_form
 from rtkit.web.builder.form_checks import check_form
-from rtkit.web.folders import granted, granted_folder, profiles_in
+from rtkit.web.folders import granted, granted_folder, profiles_of
 from rtkit.web.jobs.running import outcome_of, shown
 from rtkit.web.live.steps import CommandStep
 from rtkit.web.replies import body_of
@@ -63,7 +63,7 @@ class _BuildingRoom:
         self._generating = asyncio.Semaphore(_AT_ONCE)
 
     async def offers(self, _request: Request) -> Response:
-        files = await asyncio.to_thread(_components_in, self._site.folders)
+        files = await asyncio.to_thread(profiles_of, self._site.folders, may_be_component)
         types = sorted("::".join(each) for each in KNOWN)
         folders = list(self._site.folders)
         return JSONResponse({"folders": folders, "files": files, "types": types})
@@ -179,19 +179,6 @@ class _BuildingRoom:
 def profile_name(profile: RtcProfile) -> str:
     """Return the name of the component type that a profile describes."""
     return profile.basic_info.name if profile.basic_info is not None else ""
-
-
-def _components_in(folders: Sequence[str]) -> list[str]:
-    """Return the files in the granted folders that may be RTC profiles."""
-    found = []
-    for path in profiles_in(folders):
-        try:
-            with open(granted(path, folders), "rb") as stream:
-                if may_be_component(stream.read(4096)):
-                    found.append(path)
-        except (OSError, NotFound, Refused):
-            continue  # it went, or may not be read: then it cannot be opened either
-    return found
 
 
 def _opened(profile: RtcProfile, notes: Sequence[str] = ()) -> Record:

@@ -26,7 +26,7 @@ from rtkit.profile.read import read_bytes
 from rtkit.profile.write import write_profile
 from rtkit.profile_tools.rewriting import rewritten
 from rtkit.profile_tools.system_edits import identity
-from rtkit.report.finding import ERROR
+from rtkit.report.finding import ERROR, WARNING
 from rtkit.static_check.catalogue import Catalogue
 from rtkit.static_check.check import findings
 from rtkit.web.documents.component_types import TypeStock
@@ -60,6 +60,7 @@ class Document:
         revision: Grows with each change.
         view: What is shown of it now.
         catalogue: What is known of its component types.
+        draft_trouble: Why it is not kept beyond the end of the server; empty where it is.
     """
 
     view: DocumentView
@@ -82,7 +83,14 @@ class Document:
         self._layout: tuple[object, Record] = (None, {})
         self._notes = rewritten(data, file).findings if data else ()
         self._trouble = ""
+        self._is_outdated = False
+        self.draft_trouble = ""
         self._look()
+
+    @property
+    def data(self) -> bytes:
+        """Return what its file held when it was read or written last."""
+        return self._data
 
     @property
     def profile(self) -> rts.RtsProfile:
@@ -101,6 +109,11 @@ class Document:
         self._steps = [*self._steps[: self._at + 1], EditStep(profile, text)][-_MOST_STEPS:]
         self._at = len(self._steps) - 1
         self._changed()
+
+    def recover(self, profile: rts.RtsProfile, *, is_outdated: bool) -> None:
+        """Take what an earlier server kept; `is_outdated` where the file is another one by now."""
+        self._is_outdated = is_outdated
+        self.edit(profile, "Take back what was not saved")
 
     def move(self, steps: int) -> None:
         """Undo (-1) or do again (1).
@@ -123,7 +136,7 @@ class Document:
         if os.path.exists(file) and not is_replaced:
             if file != self.file:
                 raise Refused(f"{file} is there already")
-            if read_bytes(file) != self._data:
+            if self._is_outdated or read_bytes(file) != self._data:
                 raise Refused(f"{file} was changed by somebody else since it was opened")
         form = form_of_name(file) or XML
         if self.is_changed:
@@ -133,6 +146,7 @@ class Document:
         data = write_profile(self.profile, form)
         write_output(data, file)
         self.file, self.form, self._data, self._saved = file, form, data, self.profile
+        self._is_outdated = False
         self._notes = ()
         self._changed()
 
@@ -188,6 +202,10 @@ class Document:
                  "values": {value.name: value.value for value in each.values}}
                 for each in profile.includes
             ],
+            "groups": [
+                {"id": each.group_id, "members": [m.instance_name for m in each.members]}
+                for each in self.view.profile.groups
+            ],
             "components": list(records.components.values()),
             "connectors": list(records.connectors.values()),
             "layout": {"revision": self.revision, **self.layout(records, folded)},
@@ -205,7 +223,16 @@ class Document:
              "text": f"line {each.line}: {each.text}"}
             for each in self._notes
         ]  # fmt: skip
-        return [*([trouble] if self._trouble else []), *checked, *notes]
+        kept = {
+            "severity": WARNING, "rule": "", "allowed": "", "on": "",
+            "text": f"It is not kept beyond the end of the server: {self.draft_trouble}",
+        }  # fmt: skip
+        return [
+            *([trouble] if self._trouble else []),
+            *([kept] if self.draft_trouble else []),
+            *checked,
+            *notes,
+        ]
 
     def _changed(self) -> None:
         self.revision += 1

@@ -23,6 +23,7 @@ from rtkit.web.live.steps import Action, list_in, listed, text_in, texts_in
 _HOST = "localhost"
 _MARGIN = 40
 _FAR = 1_000_000
+_MOST_BENDS = 100
 Edited = tuple[rts.RtsProfile, str]
 
 
@@ -110,6 +111,41 @@ def _move(document: Document, edit: Action) -> Edited:
     return edits.placed(document.profile, moved), f"Move {', '.join(places)}"
 
 
+def _resize(document: Document, edit: Action) -> Edited:
+    id = text_in(edit, "component")
+    key = _own(document, id)
+    width, height = _numbers(edit, "width", "height")
+    if width < 1 or height < 1:
+        raise Malformed(f"a size is above 0, not {width} x {height}")
+    profile = edits.located(document.profile, key, _drawn(document, id), size=(width, height))
+    return profile, f"Resize {id}"
+
+
+def _turn(document: Document, edit: Action) -> Edited:
+    id, direction = text_in(edit, "component"), text_in(edit, "direction")
+    key = _own(document, id)
+    if direction not in edits.DIRECTIONS:
+        raise Malformed(f"direction: {', '.join(edits.DIRECTIONS)}, not {direction!r}")
+    profile = edits.located(document.profile, key, _drawn(document, id), direction=direction)
+    return profile, f"Turn {id} {direction}"
+
+
+def _bend(document: Document, edit: Action) -> Edited:
+    id, points = text_in(edit, "connector"), edit.get("points")
+    _check_origin(document, id)
+    if not isinstance(points, list) or len(points) > _MOST_BENDS:
+        raise Malformed(f"points: a list of {_MOST_BENDS} places at most is wanted")
+    corners = [_place(each) for each in points]
+    return edits.bent(document.profile, id, corners), f"Bend the connector {id}"
+
+
+def _drawn(document: Document, id: str) -> tuple[int, int]:
+    """Return where a component is drawn, whether by its profile or by the layout."""
+    layout = document.layout(records_of_view(document.view, document.catalogue), [])
+    at = document.places().get(id) or layout["boxes"].get(id, {"x": _MARGIN, "y": _MARGIN})
+    return max(at["x"], 1), at["y"]
+
+
 def _arrange(document: Document, _edit: Action) -> Edited:
     layout = document.layout(records_of_view(document.view, document.catalogue), [])
     keys = document.view.keys
@@ -186,6 +222,9 @@ _EDITS: Mapping[str, Callable[[Document, Action], Edited]] = {
     "connector": _connector,
     "move": _move,
     "arrange": _arrange,
+    "resize": _resize,
+    "turn": _turn,
+    "bend": _bend,
     "configure": _configure,
     "add_set": _add_set,
     "remove_set": _remove_set,
@@ -243,9 +282,18 @@ def _place(value: object) -> tuple[int, int]:
     Raises:
         Malformed: It is none.
     """
-    at = value if isinstance(value, dict) else {}
-    numbers = [at.get("x"), at.get("y")]
+    return _numbers(value, "x", "y")
+
+
+def _numbers(value: object, *keys: str) -> tuple[int, int]:
+    """Return two lengths [pixel].
+
+    Raises:
+        Malformed: They are none.
+    """
+    given = value if isinstance(value, dict) else {}
+    numbers = [given.get(key) for key in keys]
     found = [round(each) for each in numbers if isinstance(each, int | float) and abs(each) < _FAR]
     if len(found) != len(numbers):
-        raise Malformed(f"a place has x and y [pixel], not {value!r}")
+        raise Malformed(f"{' and '.join(keys)} are numbers [pixel], not {value!r}")
     return found[0], found[1]

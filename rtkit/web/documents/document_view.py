@@ -20,7 +20,7 @@ from rtkit.profile import rts_model as rts
 from rtkit.profile.parameters.reading import SystemReading
 from rtkit.profile.ports import DataPortFacts, DataPortKey, data_port_facts
 from rtkit.profile.words import property_value, strip_instance
-from rtkit.profile_tools.system_edits import Key, PortEnd, key_of
+from rtkit.profile_tools.system_edits import BEND_POINTS, Key, PortEnd, key_of
 from rtkit.profile_tools.system_summary import short_type
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.profiles import PortProfile
@@ -28,7 +28,6 @@ from rtkit.static_check.blueprint import Blueprint
 from rtkit.static_check.catalogue import Catalogue
 from rtkit.static_check.finding import ProfileLocation, StaticFinding
 
-_BEND = "BEND_POINT"
 _POINT = re.compile(r"\((-?\d{1,6}),(-?\d{1,6})\)")
 _WIDEST = "type unknown"
 """The page tells by findings what a component is like; a box has room for the longest of that."""
@@ -252,7 +251,10 @@ def _end(end: rts.TargetPort, ids: dict[Key, str]) -> Record | None:
 
 
 def places_of(view: DocumentView) -> Record:
-    """Return where components stand by their profile [pixel]; of two at one place the first one."""
+    """Return where components stand by their profile [pixel]; of two at one place the first one.
+
+    With it come their sizes, where they have some, and where their out ports point.
+    """
     places: Record = {}
     taken = set()
     for id, each in zip(view.keys, view.profile.components, strict=True):
@@ -260,7 +262,9 @@ def places_of(view: DocumentView) -> Record:
         if at is None or (at.x, at.y) in taken or not (at.x or at.y or at.width > 0):
             continue
         taken.add((at.x, at.y))
-        places[id] = {"x": at.x, "y": at.y}
+        is_sized = at.width > 0 and at.height > 0
+        size = {"width": at.width, "height": at.height} if is_sized else {}
+        places[id] = {"x": at.x, "y": at.y, **size, "direction": at.direction}
     return places
 
 
@@ -269,7 +273,7 @@ def bends_of(profile: rts.RtsProfile) -> Record:
     bends = {}
     for field in _CONNECTORS:
         for each in getattr(profile, field):
-            text = property_value(each.properties, _BEND) or ""
+            text = property_value(each.properties, BEND_POINTS) or ""
             if points := [[int(x), int(y)] for x, y in _POINT.findall(text)]:
                 bends[each.connector_id] = points
     return bends

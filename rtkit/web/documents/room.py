@@ -11,13 +11,15 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from rtkit.api.live_records import Record
-from rtkit.errors import LimitReached, Malformed, NotFound
+from rtkit.errors import LimitReached, Malformed, NotFound, Refused
 from rtkit.profile_tools.new_system import new_system
 from rtkit.web.audit.audit_log import Author
 from rtkit.web.documents.component_types import TypeStock
 from rtkit.web.documents.document import Document, opened
 from rtkit.web.documents.document_edits import edited
 from rtkit.web.documents.document_view import fitting_ports
+from rtkit.web.documents.drafts import DocumentDraft, DocumentDrafts, digest
+from rtkit.web.documents.lost_variables import lost_variables
 from rtkit.web.folders import granted
 from rtkit.web.live.steps import list_in, text_in
 from rtkit.web.replies import body_of
@@ -32,11 +34,14 @@ _WAYS = {"undo": -1, "redo": 1}
 def routes(site: WebSite) -> list[Route]:
     """Return the requests about documents."""
     room = _DocumentRoom(site)
+    site.closers.append(room.close_drafts)
     return [
         Route("/api/documents", room.listed),
         Route("/api/documents/types", room.types),
         Route("/api/documents/open", room.open, methods=["POST"]),
         Route("/api/documents/new", room.new, methods=["POST"]),
+        Route("/api/documents/drafts/take", room.take, methods=["POST"]),
+        Route("/api/documents/drafts/drop", room.drop, methods=["POST"]),
         Route("/api/documents/{id}", room.picture, methods=["POST"]),
         Route("/api/documents/{id}/edit", room.edit, methods=["POST"]),
         Route("/api/documents/{id}/move", room.move, methods=["POST"]),
@@ -53,11 +58,55 @@ class _DocumentRoom:
         self._site = site
         self._types = TypeStock(site.folders)
         self._open: dict[str, Document] = {}
+        self._drafts = DocumentDrafts()
         self._numbers = count(1)
         self._acting = asyncio.Lock()  # documents are read and changed by one request at a time
 
     async def listed(self, _request: Request) -> Response:
-        return JSONResponse({"documents": [each.heading() for each in self._open.values()]})
+        drafts = await asyncio.to_thread(self._drafts.found, self._site.folders)
+        documents = [each.heading() for each in self._open.values()]
+        return JSONResponse({"documents": documents, "drafts": [each.record() for each in drafts]})
+
+    async def take(self, request: Request) -> Response:
+        self._site.check_change()
+        body = await body_of(request)
+        async with self._acting:
+            draft = await asyncio.to_thread(
+                self._drafts.one, text_in(body, "draft"), self._site.folders
+            )
+            if any(each.file == draft.file != "" for each in self._open.values()):
+                raise Refused(f"{draft.file} is open: close it first")
+            self._check_count()
+            id = str(next(self._numbers))
+            document = await asyncio.to_thread(self._recovered, id, draft)
+            self._open[id] = document
+            await asyncio.to_thread(self._drafts.keep, document)
+            self._drafts.drop(draft.id)
+            self._site.pages.send(DOCUMENT, {"id": id, "revision": document.revision})
+            return await _answer(document, body)
+
+    async def drop(self, request: Request) -> Response:
+        self._site.check_change()
+        body = await body_of(request)
+        id = text_in(body, "draft")
+        await asyncio.to_thread(self._drafts.one, id, self._site.folders)
+        self._drafts.drop(id)
+        return JSONResponse({})
+
+    async def close_drafts(self) -> None:
+        """Leave what was not saved to the next server."""
+        self._drafts.close()
+
+    def _recovered(self, id: str, draft: DocumentDraft) -> Document:
+        try:
+            file = granted(draft.file, self._site.folders) if draft.file else ""
+        except NotFound:
+            file = ""  # it was deleted: what was drawn is still there, without a file
+        if not file:
+            return Document(id, draft.profile, self._types)
+        document = opened(id, file, self._types)
+        document.recover(draft.profile, is_outdated=digest(document.data) != draft.base)
+        return document
 
     async def types(self, _request: Request) -> Response:
         found = await asyncio.to_thread(self._types.records)
@@ -103,10 +152,12 @@ class _DocumentRoom:
             document = self._found(request)
             before = document.revision
 
-            def change() -> None:
-                document.edit(*edited(document, edit, self._types))
-
-            await asyncio.to_thread(change)
+            profile, text = await asyncio.to_thread(edited, document, edit, self._types)
+            lost = lost_variables(document.profile, profile)
+            if lost and body.get("replaces_variables") is not True:
+                return JSONResponse({"asks": lost})
+            await asyncio.to_thread(document.edit, profile, text)
+            await asyncio.to_thread(self._drafts.keep, document)
             self._notify(document, before)
             return await _answer(document, body)
 
@@ -120,6 +171,7 @@ class _DocumentRoom:
             document = self._found(request)
             before = document.revision
             await asyncio.to_thread(document.move, _WAYS[way])
+            await asyncio.to_thread(self._drafts.keep, document)
             self._notify(document, before)
             return await _answer(document, body)
 
@@ -137,6 +189,7 @@ class _DocumentRoom:
                 raise Malformed(f"{file} is open as another document: close that first")
             before, is_replaced = document.revision, body.get("replace") is True
             await asyncio.to_thread(document.save, file, is_replaced=is_replaced)
+            await asyncio.to_thread(self._drafts.keep, document)
             self._site.audit.add(Author(request), f"Save {file}")
             self._notify(document, before)
             return await _answer(document, body)
@@ -147,6 +200,7 @@ class _DocumentRoom:
             if document.is_changed:
                 self._site.check_change()
             del self._open[document.id]
+            self._drafts.drop_own(document)
             self._site.pages.send(DOCUMENT, {"id": document.id, "revision": None})
         return JSONResponse({})
 

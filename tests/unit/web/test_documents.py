@@ -21,6 +21,7 @@ from rtkit.web.documents.component_types import TypeStock
 from rtkit.web.documents.document import Document, opened
 from rtkit.web.documents.document_edits import edited
 from rtkit.web.documents.document_view import fitting_ports
+from rtkit.web.documents.lost_variables import lost_variables
 from rtkit.web.jobs.running import outcome_of
 
 SHIPPED = Path(resource("profiles"))
@@ -81,7 +82,9 @@ def test_places_and_bend_points_of_other_editors_are_used_and_kept(tmp_path: Pat
     record = document.record([])
     places = {c.instance_name: c.location for c in document.profile.components}
     assert record["places"] == {
-        name: {"x": at.x, "y": at.y} for name, at in places.items() if at is not None
+        name: {"x": at.x, "y": at.y, "direction": at.direction}
+        for name, at in places.items()
+        if at is not None
     }
     (points,) = record["bends"].values()
     assert points == [[933, 248], [541, 393], [102, 353]]
@@ -186,8 +189,12 @@ def test_a_port_that_does_not_fit_says_why(tmp_path: Path) -> None:
         ("rename", {"component": "Nobody", "name": "a"}, NotFound, "Nobody"),
         ("add", {"type": "/etc/passwd"}, NotFound, "/etc/passwd"),
         ("remove", {"components": [], "connectors": ["zz"]}, NotFound, "zz"),
-        ("move", {"places": {"Motor0": {"x": "left"}}}, Malformed, "place"),
+        ("move", {"places": {"Motor0": {"x": "left"}}}, Malformed, "x and y"),
         ("remove_set", {"component": "Motor0", "set": "none"}, NotFound, "none"),
+        ("resize", {"component": "Motor0", "width": 0, "height": 9}, Malformed, "above 0"),
+        ("turn", {"component": "Motor0", "direction": "NORTH"}, Malformed, "NORTH"),
+        ("bend", {"connector": "1", "points": [{"x": 1}]}, Malformed, "x and y"),
+        ("bend", {"connector": "zz", "points": []}, NotFound, "zz"),
         ("identify", {"vendor": "a:b", "name": "n", "version": "1"}, Malformed, "vendor"),
         ("fly", {}, Malformed, "fly"),
     ],
@@ -222,6 +229,63 @@ def test_sets_properties_and_the_identity_are_edited(tmp_path: Path) -> None:
     assert read_file(document.file).profile == document.profile
     assert isinstance(document.profile, RtsProfile)
     assert document.profile.version_up_logs == ("first",)
+
+
+def test_a_box_is_resized_and_turned_and_a_wire_is_bent(tmp_path: Path) -> None:
+    document = copied(tmp_path)
+    before = document.profile
+    drawn = document.record([])["layout"]["boxes"]["Motor0"]
+    do(document, "turn", component="Motor0", direction="DOWN")
+    do(document, "resize", component="Motor0", width=300.4, height=120)
+    place = document.record([])["places"]["Motor0"]
+    assert place == {"x": max(drawn["x"], 1), "y": drawn["y"], "width": 300, "height": 120,
+                     "direction": "DOWN"}  # fmt: skip
+    id = document.record([])["connectors"][0]["id"]
+    points = [{"x": 5, "y": 6}, {"x": -7, "y": 8}]
+    do(document, "bend", connector=id, points=points)
+    assert document.record([])["bends"] == {id: [[5, 6], [-7, 8]]}
+    document.save(str(tmp_path / "bent.xml"), is_replaced=False)
+    again = opened("2", document.file, TYPES)
+    assert again.record([])["bends"] == {id: [[5, 6], [-7, 8]]}
+    assert again.record([])["places"] == {"Motor0": place}
+    do(document, "bend", connector=id, points=[])
+    assert document.record([])["bends"] == {}
+    for _ in range(4):
+        document.move(-1)
+    assert document.profile == before
+
+
+def test_what_a_connector_is_said_to_be_is_said_once(tmp_path: Path) -> None:
+    document = copied(tmp_path)
+    connector = document.profile.data_port_connectors[0]
+    given = {"dataport.subscription_type": "flush"}
+    do(document, "connector", connector=connector.connector_id, properties=given)
+    assert document.profile.data_port_connectors[0].subscription_type == "flush"
+
+
+def test_variables_that_an_edit_would_replace_are_named(tmp_path: Path) -> None:
+    file = tmp_path / "variable.xml"
+    text = SYSTEM.read_text(encoding="utf-8")
+    first = read_file(str(SYSTEM)).profile
+    assert isinstance(first, RtsProfile)
+    component = next(c for c in first.components if c.configuration_sets)
+    chosen, item = component.configuration_sets[0], component.configuration_sets[0].data[0]
+    stated = f'rts:data="{item.data}" rts:name="{item.name}"'
+    if stated not in text:
+        stated = f'rts:name="{item.name}" rts:data="{item.data}"'
+    assert stated in text
+    file.write_text(text.replace(stated, stated.replace(f'"{item.data}"', '"${wall}"'), 1))
+    document = opened("1", str(file), TYPES)
+    name = component.instance_name
+    edit = {"do": "configure", "component": name, "set": chosen.id, "values": {item.name: "7"}}
+    changed, _ = edited(document, edit, TYPES)
+    assert lost_variables(document.profile, changed) == [
+        f"{name}.{chosen.id}.{item.name} is ${{wall}}"
+    ]
+    moved, _ = edited(document, {"do": "move", "places": {name: {"x": 1, "y": 2}}}, TYPES)
+    assert lost_variables(document.profile, moved) == []
+    gone, _ = edited(document, {"do": "remove", "components": [name], "connectors": []}, TYPES)
+    assert lost_variables(document.profile, gone) == []
 
 
 def test_parts_of_included_files_are_shown_resolved_and_only_read(tmp_path: Path) -> None:

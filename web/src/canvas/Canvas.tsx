@@ -58,6 +58,7 @@ function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
     const places = new Map<string, { x: number; y: number }>();
     for (const change of changes) if (change.type === 'position' && change.position && change.dragging) places.set(change.id, change.position);
     if (places.size) editor.place(places);
+    for (const change of changes) if (change.type === 'dimensions' && change.resizing && change.dimensions) editor.resize?.(change.id, change.dimensions);
   }, [editor]);
 
   const pick = (id: string, isAdded: boolean) => {

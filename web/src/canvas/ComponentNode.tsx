@@ -1,12 +1,13 @@
-import { Handle, Position, useStore, type NodeProps } from '@xyflow/react';
+import { Handle, NodeResizeControl, useStore, type NodeProps } from '@xyflow/react';
 import { memo, useContext } from 'react';
 
-import { placedPorts, portType, type PlacedPort } from '../model/ports';
+import { alongSide, placedPorts, portType, type PlacedPort } from '../model/ports';
 import { portPath, type Component } from '../model/types';
 import { StateIcon } from '../parts/StateIcon';
+import { useEditor } from '../shell/contexts';
 import { Anchors } from './Anchors';
 import { ConnectingContext } from './ConnectingContext';
-import { endKind, type ComponentNodeType } from './graph';
+import { POSITIONS, endKind, type ComponentNodeType } from './graph';
 
 /** Below these zooms the names of ports, and then those of components, could not be read: leaving them out keeps 1,000 boxes quick. */
 const DETAIL_ZOOM = 0.45;
@@ -15,6 +16,7 @@ const NAME_ZOOM = 0.2;
 export const ComponentNode = memo(function ComponentNode({ data, selected }: NodeProps<ComponentNodeType>) {
   const { component, box } = data;
   const connecting = useContext(ConnectingContext);
+  const { resize, canChange } = useEditor();
   const isDetailed = useStore((state) => state.transform[2] >= DETAIL_ZOOM);
   const isNamed = useStore((state) => state.transform[2] >= NAME_ZOOM);
   if (!isNamed) return <div className={`speck look-${component.look} ${selected ? 'is-selected' : ''}`}><Anchors component={component} box={box} /></div>;
@@ -31,6 +33,7 @@ export const ComponentNode = memo(function ComponentNode({ data, selected }: Nod
       </header>
       {!isDetailed && <Anchors component={component} box={box} />}
       {isDetailed && placedPorts(component, box).map((placed) => <PortRow key={placed.port.name} component={component} placed={placed} isConnected={connected.has(placed.port.name)} />)}
+      {selected && resize && canChange && <NodeResizeControl position="bottom-right" className="sizer" minWidth={40} minHeight={28} />}
       {isDetailed && component.remark && <p className="remark" title={component.remark}>{component.remark}</p>}
     </div>
   );
@@ -42,14 +45,14 @@ function takesPart(component: Component, from: string, whys: ReadonlyMap<string,
 
 interface PortRowProps { component: Component; placed: PlacedPort; isConnected: boolean }
 
-function PortRow({ component, placed: { port, side, y }, isConnected }: PortRowProps) {
+function PortRow({ component, placed: { port, ...place }, isConnected }: PortRowProps) {
   const connecting = useContext(ConnectingContext);
   const why = connecting?.whys?.get(portPath({ component: component.id, port: port.name }));
   const isFrom = connecting?.from.component === component.id && connecting.from.port === port.name;
   const fit = !connecting?.whys || isFrom ? '' : why === '' ? 'fits' : 'fits-not';
   return (
-    <div className={`port port-${port.direction} at-${side} ${isConnected ? 'is-connected' : ''} ${fit}`} style={{ top: y }} title={`${port.name}: ${portType(port)}`} data-why={why}>
-      <Handle id={port.name} type={endKind(port)} position={side === 'left' ? Position.Left : Position.Right} />
+    <div className={`port port-${port.direction} at-${place.side} ${isConnected ? 'is-connected' : ''} ${fit}`} style={alongSide(place)} title={`${port.name}: ${portType(port)}`} data-why={why}>
+      <Handle id={port.name} type={endKind(port)} position={POSITIONS[place.side]} />
       <span>{port.name}</span>
     </div>
   );

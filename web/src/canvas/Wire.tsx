@@ -2,7 +2,8 @@ import { BaseEdge, getSmoothStepPath, useStore, type EdgeProps } from '@xyflow/r
 import { memo, useContext } from 'react';
 
 import type { Point } from '../model/types';
-import { RatesContext } from '../shell/contexts';
+import { RatesContext, useEditor } from '../shell/contexts';
+import { BendHandles } from './BendHandles';
 import type { WireEdgeType } from './graph';
 import { WireLabel } from './WireLabel';
 import { labelPlace, roundedPath } from './path';
@@ -12,6 +13,7 @@ const LABEL_ZOOM = 0.5;
 /** A connector: along the path of the layout, else right-angled between its ends; thicker the more values it carries. */
 export const Wire = memo(function Wire(props: EdgeProps<WireEdgeType>) {
   const { id, data, selected } = props;
+  const { bend, canChange } = useEditor();
   const hz = useContext(RatesContext).connectors[id]?.hz ?? null;
   const hasLabel = useStore((state) => state.transform[2] >= LABEL_ZOOM);
   const [path, x, y, room] = course(props);
@@ -21,12 +23,13 @@ export const Wire = memo(function Wire(props: EdgeProps<WireEdgeType>) {
     <g className={classes.filter(Boolean).join(' ')} data-speed={speed(hz)}>
       <BaseEdge id={id} path={path} interactionWidth={14} />
       {hasLabel && data && <WireLabel wire={data.wire} hz={hz} x={x} y={y} room={room} />}
+      {selected && bend && canChange && data && <BendHandles id={id} bends={data.bends ?? []} ends={[[props.sourceX, props.sourceY], [props.targetX, props.targetY]]} />}
     </g>
   );
 });
 
 function course({ data, sourceX, sourceY, targetX, targetY, sourcePosition, targetPosition }: EdgeProps<WireEdgeType>): [path: string, x: number, y: number, room: number] {
-  if (data?.bends) {
+  if (data?.bends?.length) {
     const points: Point[] = [[sourceX, sourceY], ...data.bends, [targetX, targetY]];
     return [roundedPath(points), ...labelPlace(points)];
   }

@@ -3,7 +3,7 @@ import { Position, type Edge, type Node, type NodeHandle } from '@xyflow/react';
 import { endText } from '../model/does';
 import { placedPorts } from '../model/ports';
 import type { System } from '../model/system';
-import { LOOKS, type Box, type Component, type Connector, type Layout, type Look, type Manager, type Point, type Port, type PortEnd, type Process } from '../model/types';
+import { LOOKS, type Box, type Component, type Connector, type Layout, type Look, type Manager, type Point, type Port, type PortEnd, type Process, type Side } from '../model/types';
 
 const PAD = '24px';
 /** The map and these buttons lie below what is fitted, not on it. */
@@ -22,8 +22,11 @@ export type FrameNodeType = Node<{ frame: Frame; box: Box; composite: Component 
 export type WireEdgeType = Edge<{ wire: Connector; path: Point[] | null; bends: Point[] | null; isNear: boolean }, 'wire'>;
 export type GraphNode = ComponentNodeType | FrameNodeType;
 
+export const POSITIONS: Readonly<Record<Side, Position>> = { left: Position.Left, right: Position.Right, top: Position.Top, bottom: Position.Bottom };
+
 export type Count = [look: Look, count: number];
-export type Places = ReadonlyMap<string, { x: number; y: number }>;
+/** Where boxes stand by hand; a size is the least that a box has. */
+export type Places = ReadonlyMap<string, { x: number; y: number; width?: number; height?: number }>;
 
 /** A function that returns the object it made before while what it is made of is the same: React then skips it. */
 export function keeper<T>(): (id: string, parts: readonly unknown[], make: () => T) => T {
@@ -42,10 +45,16 @@ export function placedBoxes(layout: Layout, placed: Places): Map<string, Box> {
   const boxes = new Map<string, Box>();
   for (const [id, box] of Object.entries(layout.boxes)) {
     const place = placed.get(id);
-    boxes.set(id, place && (box.kind === 'component' || box.is_folded) ? { ...box, ...place } : box);
+    boxes.set(id, place && (box.kind === 'component' || box.is_folded) ? movedBox(box, place) : box);
   }
   if (placed.size) for (const [id, box] of boxes) if (placed.has(id)) growAround(boxes, box);
   return boxes;
+}
+
+function movedBox(box: Box, { x, y, width = 0, height = 0 }: { x: number; y: number; width?: number; height?: number }): Box {
+  const wider = Math.max(width - box.width, 0);
+  const taller = Math.max(height - box.height, 0);
+  return { ...box, x, y, width: box.width + wider, height: box.height + taller };
 }
 
 const MARGIN = 16;
@@ -135,7 +144,7 @@ function placedNode(id: string, { x, y, width, height }: Box, selected: boolean)
 }
 
 function portHandles(component: Component, box: Box): NodeHandle[] {
-  return placedPorts(component, box).map(({ port, side, y }) => handle(port.name, endKind(port), side, y, box));
+  return placedPorts(component, box).map(({ port, side, y, x }) => handle(port.name, endKind(port), side, y, box, x));
 }
 
 /** Which end of a wire React Flow finds at a port; with `ConnectionMode.Loose` a wire may end at a "source", too. */
@@ -144,7 +153,9 @@ export const endKind = (port: Port): 'source' | 'target' => (port.direction === 
 /** Where a folded frame takes the wires of one side. */
 export const sideHeight = (box: Box, side: 'left' | 'right'): number => box.ports[side]?.y ?? HEADER;
 
-function handle(id: string, type: 'source' | 'target', side: 'left' | 'right', y: number, box: Box): NodeHandle {
+function handle(id: string, type: 'source' | 'target', side: Side, y: number, box: Box, along = 0): NodeHandle {
+  if (side === 'top' || side === 'bottom')
+    return { id, type, position: POSITIONS[side], x: along - HANDLE / 2, y: side === 'top' ? 0 : box.height - HANDLE, width: HANDLE, height: HANDLE };
   // A wire begins at the outer edge of its handle: that edge stands on the border of the box.
   const [position, x] = side === 'right' ? [Position.Right, box.width - HANDLE] as const : [Position.Left, 0] as const;
   return { id, type, position, x, y: y - HANDLE / 2, width: HANDLE, height: HANDLE };

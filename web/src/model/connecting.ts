@@ -36,6 +36,23 @@ export function propertiesOf(wish: Wish): Record<string, string> {
   return Object.fromEntries(rows.filter(([, value]) => value !== ''));
 }
 
+/** What the dialog shows of a connector that states properties: the other way round. */
+export function wishOf(properties: Readonly<Record<string, string>>): Wish {
+  const rest = new Map(Object.entries(properties).filter(([key]) => key !== 'BEND_POINT'));
+  const take = (key: string): string => {
+    const value = rest.get(key) ?? '';
+    rest.delete(key);
+    return value;
+  };
+  const buffer = (prefix: string): BufferWish => ({ length: take(`${prefix}.length`), full: take(`${prefix}.write.full_policy`), empty: take(`${prefix}.read.empty_policy`) });
+  const known = {
+    dataflow: take('dataport.dataflow_type'), transport: take('dataport.interface_type'), subscription: take('dataport.subscription_type'),
+    policy: take('dataport.publisher.push_policy'), rate: take('dataport.publisher.push_rate'), skip: take('dataport.publisher.skip_count'),
+    source: buffer('dataport.outport.buffer'), target: buffer('dataport.inport.buffer'),
+  };
+  return { ...known, further: [...rest].map(([key, value]) => `${key}=${value}`).join('\n') };
+}
+
 const bufferRows = (prefix: string, { length, full, empty }: BufferWish): [string, string][] => [
   [`${prefix}.length`, length], [`${prefix}.write.full_policy`, full], [`${prefix}.read.empty_policy`, empty],
 ];

@@ -1,7 +1,7 @@
-import type { Box, Component, Connector, Interface, Port } from './types';
+import type { Box, Component, Connector, Interface, Port, PortPlace } from './types';
 
 /** A port at its box: the layout decides its side and its height [px below the top of the box]. */
-export interface PlacedPort { port: Port; side: 'left' | 'right'; y: number }
+export interface PlacedPort extends PortPlace { port: Port }
 
 /** The ports that the layout has placed; one that it does not know yet waits for the next layout. */
 export function placedPorts(component: Component, box: Box): PlacedPort[] {
@@ -10,6 +10,9 @@ export function placedPorts(component: Component, box: Box): PlacedPort[] {
     return place ? [{ port, ...place }] : [];
   });
 }
+
+/** Where along its side a port stands, as the style of an element inside the box. */
+export const alongSide = ({ side, x, y }: PortPlace) => (side === 'top' || side === 'bottom' ? { left: x ?? 0 } : { top: y });
 
 /** Wires at a port. */
 export function wiresAt(connectors: Iterable<Connector>, component: string, port?: string): Connector[] {

@@ -87,10 +87,14 @@ export interface JobNews extends Job { first?: number; rows?: JobRow[] }
 
 export type BoxKind = 'component' | 'process' | 'manager' | 'composite';
 
+/** The side of a box, and how far along it: from the top, or from the left at the sides above and below. */
+export type Side = 'left' | 'right' | 'top' | 'bottom';
+export interface PortPlace { side: Side; y: number; x?: number }
+
 export interface Box {
   x: number; y: number; width: number; height: number; parent: string | null; kind: BoxKind; is_folded: boolean;
   /** Where wires end, below the top of the box; a folded frame takes all of a side at one place, named "left" or "right". */
-  ports: Record<string, { side: 'left' | 'right'; y: number }>;
+  ports: Record<string, PortPlace>;
 }
 
 export type Point = [number, number];

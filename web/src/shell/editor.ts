@@ -2,7 +2,7 @@ import { useEffect, useMemo, useRef, type Dispatch } from 'react';
 
 import type { Scope } from '../model/scope';
 import type { System } from '../model/system';
-import { portEnd, type Action } from '../model/types';
+import { portEnd, type Action, type Point } from '../model/types';
 import type { Entry } from '../model/undo';
 import type { Api } from '../server/api';
 import type { Subscriptions } from '../server/subscriptions';
@@ -22,6 +22,10 @@ export interface Editor {
   toggleFold: (id: string) => void;
   place: (places: ReadonlyMap<string, { x: number; y: number }>) => void;
   arrange: () => void;
+  /** Gives a box another size; only documents have sizes. */
+  resize?: (id: string, size: { width: number; height: number }) => void;
+  /** Leads a wire through other bend points; only documents have these. */
+  bend?: (id: string, points: readonly Point[], isOver: boolean) => void;
   /** Goes to a room, and there to what `of` names. */
   show: (view: ViewKind, of?: string) => void;
   filter: (filter: Filter) => void;

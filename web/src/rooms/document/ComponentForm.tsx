@@ -5,6 +5,7 @@ import { portPath } from '../../model/types';
 import { Fields, Section } from '../../panels/Fields';
 import { useEditor } from '../../shell/contexts';
 import { FindingTexts } from './FindingTexts';
+import { PlaceForm } from './PlaceForm';
 import { PropertyTable } from './PropertyTable';
 import { SetEditor } from './SetEditor';
 import type { DocumentComponent, Finding, Picture } from './types';
@@ -40,8 +41,8 @@ export function ComponentForm({ component, picture, findings, document, onConnec
       <Fields rows={[
         [texts.type, <span key="type" title={component.type_id}>{component.type}</span>], [texts.address, <code key="path">{component.path}</code>],
         [texts.source, component.source && <code key="source">{component.source}</code>], [texts.comment, component.description],
-        [texts.direction, component.direction],
       ]} />
+      <Section title={texts.standing} isOpen={false}><PlaceForm component={component} picture={picture} isFixed={isFixed} document={document} /></Section>
       <Section title={texts.portsTitle} count={component.ports.length}>
         <ul className="document-ports">
           {component.ports.map((port) => (

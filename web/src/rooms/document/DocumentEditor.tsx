@@ -3,6 +3,7 @@ import { useMemo, useRef, useState, type DragEvent } from 'react';
 import { Canvas } from '../../canvas/Canvas';
 import type { Component, PortEnd, Rates } from '../../model/types';
 import { portPath } from '../../model/types';
+import { Modal } from '../../parts/Modal';
 import { EditorContext, RatesContext } from '../../shell/contexts';
 import { useShortcuts } from '../../shell/useShortcuts';
 import { ConnectPort } from './ConnectPort';
@@ -22,14 +23,14 @@ const NO_RATES: Rates = { connectors: {}, components: {} };
 export function DocumentEditor({ of }: { of: string }) {
   const texts = useDocumentTexts();
   const document = useDocument(of);
-  const { view, editor } = useDiagram(document);
+  const { view, editor, bends } = useDiagram(document);
   const [from, setFrom] = useState<string | null>(null);
   const [isSaving, setSaving] = useState(false);
   const [focusCount, setFocusCount] = useState(0);
   const stage = useRef<HTMLDivElement>(null);
   const { picture, edit } = document;
   const system = useMemo(() => picture && systemOf(picture, texts), [picture, texts]);
-  const layout = useMemo(() => picture && layoutOf(picture), [picture]);
+  const layout = useMemo(() => picture && layoutOf({ ...picture, bends: { ...picture.bends, ...Object.fromEntries([...bends].map(([id, points]) => [id, [...points]])) } }), [picture, bends]);
   const { canChange } = editor;
 
   const add = async (file: string, at?: Place) => {
@@ -78,6 +79,16 @@ export function DocumentEditor({ of }: { of: string }) {
           <p className="unseen" role="status">{document.done}</p>
         </main>
         {from !== null && <ConnectPort system={system} from={from} onFrom={setFrom} onClose={() => setFrom(null)} onConnect={(source, target) => { setFrom(null); void edit({ do: 'connect', source, target }); }} />}
+        {document.asks && (
+          <Modal title={texts.replaceVariables} onClose={() => document.answer(false)}>
+            <p>{texts.replaceHint}</p>
+            <ul>{document.asks.map((text) => <li key={text}><code>{text}</code></li>)}</ul>
+            <footer>
+              <button type="button" onClick={() => document.answer(false)}>{texts.cancel}</button>
+              <button type="button" className="danger filled" onClick={() => document.answer(true)}>{texts.replaceThem}</button>
+            </footer>
+          </Modal>
+        )}
         {isSaving && <SaveDialog picture={picture} save={document.save} onClose={() => setSaving(false)} />}
       </RatesContext>
     </EditorContext>

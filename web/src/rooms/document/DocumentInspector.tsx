@@ -31,7 +31,7 @@ export function DocumentInspector({ picture, system, selection, document, focusC
       ) : component ? (
         <ComponentForm key={component.id} component={component} picture={picture} findings={findings} document={document} onConnect={onConnect} onRemove={onRemove} />
       ) : connector ? (
-        <ConnectorForm key={connector.id} connector={connector} findings={findings} document={document} bends={picture.bends[connector.id]?.length ?? 0} onRemove={onRemove} />
+        <ConnectorForm key={connector.id} connector={connector} findings={findings} document={document} picture={picture} onRemove={onRemove} />
       ) : <ProfileForm key={picture.id} picture={picture} document={document} />}
     </section>
   );

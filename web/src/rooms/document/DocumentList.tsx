@@ -4,7 +4,7 @@ import type { Files } from '../../model/types';
 import { Icon } from '../../parts/icons';
 import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
-import type { Heading, Picture } from './types';
+import type { Draft, Heading, Picture } from './types';
 import { UNSAVED, useDocumentTexts } from './useDocument';
 
 /** Files of the granted folders and documents that are open; begins a new diagram. */
@@ -13,16 +13,19 @@ export function DocumentList() {
   const { api, show, canChange, subscriptions } = useEditor();
   const [known, setKnown] = useState<Files | null>(null);
   const [open, setOpen] = useState<readonly Heading[]>([]);
+  const [drafts, setDrafts] = useState<readonly Draft[]>([]);
+  const [looks, setLooks] = useState(0);
   const [problem, setProblem] = useState('');
   const [filter, setFilter] = useState('');
   const [name, setName] = useState('');
   useEffect(() => {
     let isWanted = true;
-    const look = () => Promise.all([api.files(), api.get<{ documents: Heading[] }>('/api/documents')]).then(
-      ([files, { documents }]) => {
+    const look = () => Promise.all([api.files(), api.get<{ documents: Heading[]; drafts: Draft[] }>('/api/documents')]).then(
+      ([files, found]) => {
         if (!isWanted) return;
         setKnown(files);
-        setOpen(documents);
+        setOpen(found.documents);
+        setDrafts(found.drafts);
       },
       (error: unknown) => isWanted && setProblem(sentence(error)),
     );
@@ -32,7 +35,11 @@ export function DocumentList() {
       isWanted = false;
       close();
     };
-  }, [api, subscriptions]);
+  }, [api, subscriptions, looks]);
+  const drop = (draft: string) => api.post('/api/documents/drafts/drop', { draft }).then(() => setLooks((n) => n + 1), (error: unknown) => setProblem(sentence(error)));
+  const take = (draft: string) => api.post<Picture>('/api/documents/drafts/take', { draft }).then(
+    ({ id, file }) => show('document', file || UNSAVED + id), (error: unknown) => setProblem(sentence(error)),
+  );
   const begin = (event: SyntheticEvent) => {
     event.preventDefault();
     api.post<Picture>('/api/documents/new', { name }).then(
@@ -56,6 +63,21 @@ export function DocumentList() {
               <li key={one.id}>
                 <button type="button" className="link" onClick={() => show('document', one.file || UNSAVED + one.id)}>{one.name}</button>
                 <span className="note">{one.file || texts.unsaved}</span>{one.is_changed && <strong className="changed">● {texts.changed}</strong>}
+              </li>
+            ))}
+          </ul>
+        </section>
+      )}
+      {drafts.length > 0 && (
+        <section aria-label={texts.drafts}>
+          <h3>{texts.drafts}</h3>
+          <p className="note">{texts.draftsHint}</p>
+          <ul className="links">
+            {drafts.map((one) => (
+              <li key={one.id}>
+                <strong>{one.name}</strong> <span className="note">{one.file || texts.unsaved} · {new Date(one.time).toLocaleString()}</span>
+                <button type="button" disabled={!canChange} aria-label={`${texts.takeDraft}: ${one.name}`} onClick={() => void take(one.id)}>{texts.takeDraft}</button>
+                <button type="button" className="quiet" disabled={!canChange} aria-label={`${texts.dropDraft}: ${one.name}`} onClick={() => void drop(one.id)}>{texts.dropDraft}</button>
               </li>
             ))}
           </ul>

@@ -11,7 +11,7 @@ type Typed = Record<(typeof PARTS)[number] | 'log', string>;
 /** What the profile tells of itself, with its variables and what it includes. */
 export function ProfileForm({ picture, document }: { picture: Picture; document: OpenDocument }) {
   const texts = useDocumentTexts();
-  const { canChange } = useEditor();
+  const { canChange, select } = useEditor();
   const { profile } = picture;
   const [typed, setTyped] = useState<Partial<Typed>>({});
   const values: Typed = { ...profile, log: profile.log.join('\n'), ...typed };
@@ -31,6 +31,11 @@ export function ProfileForm({ picture, document }: { picture: Picture; document:
         {Object.keys(typed).length > 0 && <button type="submit" className="primary" disabled={!canChange}>{texts.apply}</button>}
       </form>
       <Fields rows={[[texts.created, profile.created], [texts.updated, profile.updated]]} />
+      {picture.groups.length > 0 && (
+        <Section title={texts.groups} count={picture.groups.length}>
+          <ul>{picture.groups.map(({ id, members }) => <li key={id}><button type="button" className="link" onClick={() => select(members)}>{id}</button> <span className="note">{members.join(', ')}</span></li>)}</ul>
+        </Section>
+      )}
       {picture.variables.length + picture.includes.length > 0 && <p className="note">{texts.resolved}</p>}
       {picture.variables.length > 0 && (
         <Section title={texts.variables} count={picture.variables.length}>

@@ -3,6 +3,9 @@ import type { Component, Connector, Layout, Point } from '../../model/types';
 /** What a list of open documents tells of one; `file` is empty until it was saved. */
 export interface Heading { id: string; file: string; name: string; is_changed: boolean; revision: number }
 
+/** What an earlier server kept of a document that was not saved. */
+export interface Draft { id: string; file: string; name: string; time: string }
+
 export interface ComponentType { file: string; id: string; name: string; category: string; vendor: string; version: string; description: string; ports: number }
 
 /** A component of a profile; `origin` is the included file that it comes from, empty for the document itself. */
@@ -30,12 +33,19 @@ export interface Picture extends Heading {
   form: string; undo: string | null; redo: string | null; profile: Identity;
   variables: { name: string; value: string | null; description: string }[];
   includes: { file: string; prefix: string; values: Record<string, string> }[];
+  groups: { id: string; members: string[] }[];
   components: DocumentComponent[]; connectors: DocumentConnector[];
-  layout: Layout; places: Record<string, { x: number; y: number }>; bends: Record<string, Point[]>;
+  layout: Layout; places: Record<string, Standing>; bends: Record<string, Point[]>;
   findings: Finding[];
 }
 
 export interface Place { x: number; y: number }
+
+export const DIRECTIONS = ['RIGHT', 'LEFT', 'DOWN', 'UP'] as const;
+export type Direction = (typeof DIRECTIONS)[number];
+
+/** Where a box stands by the profile, how large it is at least, and where its out ports point. */
+export interface Standing extends Place { width?: number; height?: number; direction: Direction }
 
 export type Edit =
   | { do: 'add'; type: string; name?: string; at?: Place }
@@ -45,6 +55,9 @@ export type Edit =
   | { do: 'connector'; connector: string; properties: Record<string, string | null> }
   | { do: 'move'; places: Record<string, Place> }
   | { do: 'arrange' }
+  | { do: 'resize'; component: string; width: number; height: number }
+  | { do: 'turn'; component: string; direction: Direction }
+  | { do: 'bend'; connector: string; points: Place[] }
   | { do: 'configure'; component: string; set: string; values: Record<string, string | null> }
   | { do: 'add_set'; component: string; set: string; source: string }
   | { do: 'remove_set' | 'activate_set'; component: string; set: string }

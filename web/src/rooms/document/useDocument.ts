@@ -19,6 +19,9 @@ export interface OpenDocument {
   /** What was done last, for readers of the screen. */
   done: string;
   isClosed: boolean;
+  /** Texts with variables that the last edit would replace; it waits until `answer` tells whether it may. */
+  asks: readonly string[] | null;
+  answer: (may: boolean) => void;
   edit: (edit: Edit) => Promise<Picture | null>;
   move: (way: 'undo' | 'redo') => Promise<Picture | null>;
   /** Throws when it is refused: the dialog tells why. */
@@ -26,6 +29,8 @@ export interface OpenDocument {
   fold: (folded: readonly string[]) => void;
   clear: () => void;
 }
+
+interface Question { asks: readonly string[]; decide: (may: boolean) => void }
 
 export function useDocument(of: string): OpenDocument {
   const texts = useDocumentTexts();
@@ -47,14 +52,20 @@ export function useDocument(of: string): OpenDocument {
     return next;
   }, []);
 
-  const exchange = useCallback(async (path: string, body: object) => {
+  const [question, setQuestion] = useState<Question | null>(null);
+  const exchange = useCallback(async (path: string, body: object): Promise<Picture> => {
     asking.current += 1;
     try {
-      return take(await api.post<Picture>(path, { ...body, folded: folded.current }));
+      const answer = await api.post<Picture | { asks: string[] }>(path, { ...body, folded: folded.current });
+      if (!('asks' in answer)) return take(answer);
+      const may = await new Promise<boolean>((decide) => setQuestion({ asks: answer.asks, decide }));
+      setQuestion(null);
+      if (!may) throw new Error(texts.keptVariables);
+      return take(await api.post<Picture>(path, { ...body, replaces_variables: true, folded: folded.current }));
     } finally {
       asking.current -= 1;
     }
-  }, [api, take]);
+  }, [api, take, texts]);
 
   /** Takes what other pages did. An edit of this page comes by its answer alone, so that it is shown and selected at once. */
   const catchUp = useCallback(function again() {
@@ -102,6 +113,8 @@ export function useDocument(of: string): OpenDocument {
 
   return useMemo<OpenDocument>(() => ({
     picture, problem, done, isClosed,
+    asks: question?.asks ?? null,
+    answer: (may) => question?.decide(may),
     edit: (edit) => attempt('edit', { edit }, (_, after) => texts.did(after.undo ?? '')),
     move: (way) => attempt('move', { way }, (before) => (way === 'undo' ? texts.undoOf(before.undo ?? '') : texts.redoOf(before.redo ?? ''))),
     save: async (file, replace) => {
@@ -115,5 +128,5 @@ export function useDocument(of: string): OpenDocument {
       if (latest.current) ask(`/api/documents/${latest.current.id}`, {}).catch((error: unknown) => setProblem(sentence(error)));
     },
     clear: () => setProblem(''),
-  }), [picture, problem, done, isClosed, attempt, ask, texts]);
+  }), [picture, problem, done, isClosed, question, attempt, ask, texts]);
 }

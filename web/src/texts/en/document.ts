@@ -21,6 +21,12 @@ export const documentTexts = {
   properties: 'Properties', addProperty: 'Add property', removeProperty: (name: string) => `Remove the property ${name}`, data: 'Data type', how: 'How', ends: 'Ends', bends: 'Bend points',
   several: (n: number) => `${n} things are selected`, profile: 'Profile', vendor: 'Vendor', version: 'Version', abstract: 'Description', comment: 'Comment', created: 'Created', updated: 'Updated', log: 'Update log (one entry a line)',
   variables: 'Variables', noValue: 'a value must be given', includes: 'Included files', prefix: 'prefix', resolved: 'Shown with the values of its variables and with what it includes.',
+  keptVariables: 'The variables were kept: nothing was changed.', replaceVariables: 'Replace variables?', replaceHint: 'These texts have variables of the profile. What you entered stands in their place, and their variables change it no more:', replaceThem: 'Replace them',
+  drafts: 'Not saved before', draftsHint: 'These documents were changed and not saved when an earlier server ended.', takeDraft: 'Take it back', dropDraft: 'Forget it',
+  standing: 'Place and size', box: { x: 'From the left', y: 'From the top', width: 'Width', height: 'Height' },
+  directions: { RIGHT: 'out ports to the right', LEFT: 'out ports to the left', DOWN: 'out ports below', UP: 'out ports above' },
+  bendX: (n: number) => `Bend point ${n}, from the left`, bendY: (n: number) => `Bend point ${n}, from the top`, removeBend: (n: number) => `Remove the bend point ${n}`, addBend: 'Add a bend point',
+  options: 'Options …', groups: 'Groups',
   did: (what: string) => `Done: ${what}`, saved: (file: string) => `Saved as ${file}`, gone: 'This document was closed.',
 };
 

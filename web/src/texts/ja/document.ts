@@ -22,5 +22,11 @@ export const documentTexts: DocumentTexts = {
   properties: 'プロパティー', addProperty: 'プロパティーを追加', removeProperty: (name) => `プロパティー ${name} を削除`, data: 'データ型', how: '方式', ends: '両端', bends: '折れ点',
   several: (n) => `${n} 個を選択中`, profile: 'プロファイル', vendor: 'ベンダー', version: 'バージョン', abstract: '説明', comment: 'コメント', created: '作成', updated: '更新', log: '更新履歴 (1 行に 1 件)',
   variables: '変数', noValue: '値の指定が必要', includes: '取り込むファイル', prefix: '接頭辞', resolved: '変数の値と取り込んだ内容を反映して表示しています。',
+  keptVariables: '変数はそのままです。何も変更していません。', replaceVariables: '変数を置き換えますか', replaceHint: '次の文字列はプロファイルの変数を使っています。入力した値に置き換えると、変数の変更は反映されなくなります:', replaceThem: '置き換える',
+  drafts: '未保存の文書', draftsHint: '以前のサーバーの終了時に保存されていなかった文書です。', takeDraft: '復元', dropDraft: '破棄',
+  standing: '位置と大きさ', box: { x: '左から', y: '上から', width: '幅', height: '高さ' },
+  directions: { RIGHT: '出力ポートは右', LEFT: '出力ポートは左', DOWN: '出力ポートは下', UP: '出力ポートは上' },
+  bendX: (n: number) => `折れ点 ${n} (左から)`, bendY: (n: number) => `折れ点 ${n} (上から)`, removeBend: (n: number) => `折れ点 ${n} を削除`, addBend: '折れ点を追加',
+  options: 'オプション…', groups: 'グループ',
   did: (what) => `完了: ${what}`, saved: (file) => `${file} に保存しました`, gone: 'この文書は閉じられました。',
 };
