@@ -19,7 +19,8 @@ _DYING_S = 1.0
 _REWRITTEN = ("held", "family", "rehearsed")
 _OF_SLAVES = ("beats", "rehearsal", *_REWRITTEN, *(f"{kind}.new" for kind in _REWRITTEN))
 _OF_GUESTS = "guest.beats"
-_KINDS = (*_OF_SLAVES, _OF_GUESTS, "data", "zygote")
+_OF_ZYGOTES = ("zygote", "stage", "other")
+_KINDS = (*_OF_SLAVES, _OF_GUESTS, "data", *_OF_ZYGOTES)
 """Kinds of files of a manager's processes in the runtime folder: ``<manager>.<pid>.<kind>``."""
 
 

@@ -84,7 +84,6 @@ def test_a_zygote_that_is_killed_in_it_is_not_taken_for_a_slave(
 ) -> None:
     monkeypatch.setenv("RTKIT_RUNTIME_DIR", folder)
     monkeypatch.setattr(rehearsal, "_LINES", rehearsal._LINES[:1])  # its component is still there
-    monkeypatch.setattr(rehearsal, "_LAST", 1)
     monkeypatch.setattr(rehearsal, "_remove", lambda _: None)
     warm_up(Log("zygote", f"{folder}/m.log"), {"data": f"{folder}/m.%p.data"})
     assert b"Extra0" in (Path(folder) / f"m.{os.getpid()}.rehearsed").read_bytes()

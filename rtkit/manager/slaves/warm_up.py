@@ -34,9 +34,16 @@ from rtkit.link.places import of_pid
 from rtkit.logs.logs import Log
 from rtkit.modules.loader import Loader
 from rtkit.modules.neighbours import disown
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.rtc.serde import encode
 
 _FOLDER = os.path.dirname(os.path.abspath(__file__))
-_LAST = 2
+_END_S = 10.0
+_OUT, _INTO = (
+    ConnectorProfile(name, name, (PortRef(out, "out"), PortRef(into, "into")))
+    for name, out, into in (("out", "Extra0", "Extra1"), ("into", "Extra1", "Extra0"))
+)
+"""Connectors to another slave, and from it."""
 # As a manager asks for a type of which nobody has loaded the module.
 _LINES: tuple[Message, ...] = (
     {
@@ -47,14 +54,17 @@ _LINES: tuple[Message, ...] = (
         "inherited": {},
         "config_files": {},
         "kept": {"names": ["localhost/Extra0.rtc"], "create": "warm_up_component"},
-        "call": 1,
     },
-    {"op": "delete", "instance": "Extra0", "call": _LAST},
+    {"op": "source", "connector": encode(_OUT)},
+    {"op": "sink", "connector": encode(_INTO)},
+    {"op": "unlink", "connector_id": _OUT.connector_id},
+    {"op": "unlink", "connector_id": _INTO.connector_id},
+    {"op": "delete", "instance": "Extra0"},
 )
 
 
 def warm_up(log: Log, settings: Any) -> None:
-    """Begin a log, greet, make a component, report it, end it.
+    """Begin a log, greet, make a component, report it, connect it to another process, end it.
 
     Its files are named after this process, so that the next manager clears them away should it be
     killed here; its checkpoint has a name of its own, as there are no components to miss.
@@ -69,19 +79,35 @@ def warm_up(log: Log, settings: Any) -> None:
     pattern, pid = settings["data"], os.getpid()
     place = of_pid(pattern, pid)
     stem = place.removesuffix(".data")
-    paths = [place, heartbeats_path(pattern, pid), f"{stem}.rehearsal", f"{stem}.rehearsed"]
+    names = ("rehearsal", "rehearsed", "stage", "other")  # see `rtkit.manager.claim`
+    more = [f"{stem}.{name}" for name in names]
+    paths = [place, heartbeats_path(pattern, pid), *more]
     modules, search_path = set(sys.modules), list(sys.path)
-    with contextlib.ExitStack() as stack, log.lent("rehearsal", paths[2]):
+    threads = set(threading.enumerate())
+    with contextlib.ExitStack() as stack, log.lent("rehearsal", more[0]):
         stack.callback(_remove, paths)
         listener = stack.enter_context(socket.socket(socket.AF_UNIX))
-        listener.bind(place)
+        listener.bind(more[2])
         listener.listen(1)
         log.begin()
-        _Stage(place, Heartbeats(paths[1]), CheckpointWriter(paths[3], "rehearsal")).play(listener)
+        other = _Other(more[3])
+        stack.callback(other.close)
+        stage = _Stage(place, more[2], other)
+        stage.show(Heartbeats(paths[1]), CheckpointWriter(more[1], "rehearsal"))
+        stage.play(listener)
+    _await_ends(threads)
     disown(_FOLDER)
     sys.path[:] = search_path
     for name in set(sys.modules) - modules:
         del sys.modules[name]
+
+
+def _await_ends(before: set[threading.Thread]) -> None:
+    """Wait until the threads have ended that were not there before: a fork would lose them."""
+    for thread in set(threading.enumerate()) - before:
+        thread.join(_END_S)
+        if thread.is_alive():
+            raise RuntimeError(f"rehearsal: thread {thread.name} does not end")
 
 
 def _remove(paths: list[str]) -> None:
@@ -90,33 +116,57 @@ def _remove(paths: list[str]) -> None:
             os.unlink(path)
 
 
+class _Other:
+    """The other end of connectors, as another slave has it.
+
+    Attributes:
+        endpoint: At which it waits for values.
+    """
+
+    def __init__(self, path: str) -> None:
+        from rtkit.manager.slaves.warm_up_component import Extra
+
+        self._wiring = PortWiring("", LocalStreams(path))
+        self.endpoint = self._wiring.receive(_OUT, Extra("Extra1").into)
+
+    def send_to(self, endpoint: str) -> None:
+        """Connect to the end that waits for values there."""
+        self._wiring.keep(_INTO, self._wiring.find_receiver(_INTO, endpoint))
+
+    def close(self) -> None:
+        """End all of it."""
+        self._wiring.close()
+
+
 class _Stage:
     """A container on this thread, connected to a manager on another one, as in a slave."""
 
-    def __init__(
-        self, place: str, heartbeats: Heartbeats, checkpoint_writer: CheckpointWriter
-    ) -> None:
+    def __init__(self, place: str, manager: str, other: _Other) -> None:
         self._read, self._write = os.pipe()
-        self._connection = ManagerConnection(place, "rehearsal", self)
+        self._connection = ManagerConnection(manager, "rehearsal", self)
+        self._other = other
+        self._lines = iter(_LINES)
+        self._manager: ControlChannel
         self._replies: list[Message] = []
         wiring = PortWiring("", LocalStreams(place))
         self._container = ComponentContainer(
             self._send, wiring, ComponentFactory(Loader([_FOLDER]))
         )
+
+    def show(self, heartbeats: Heartbeats, checkpoint_writer: CheckpointWriter) -> None:
         self._container.show_heartbeats(heartbeats)
         self._container.write_down(checkpoint_writer)
 
     def play(self, listener: socket.socket) -> None:
         self._connection.greet(0, "")
         connection, _ = listener.accept()
-        other = ControlChannel(connection)
-        for line in _LINES:
-            other.send(line)
+        self._manager = ControlChannel(connection)
+        self._ask()
         control = threading.Thread(target=self._listen, name="control", daemon=True)
         control.start()
         self._container.run()
         control.join()
-        other.close()
+        self._manager.close()
         os.close(self._read)
         os.close(self._write)
         failed = [reply for reply in self._replies if "kind" in reply]
@@ -135,12 +185,22 @@ class _Stage:
         finally:
             self._container.close()
 
+    def _ask(self) -> None:
+        """Send the next line, as the manager that it comes from would; after the last, the end."""
+        line = next(self._lines, None)
+        if line is None:
+            os.write(self._write, b"x")
+        else:
+            call = {"call": line["op"], "endpoint": self._other.endpoint}
+            self._manager.send({**line, **call})
+
     def _send(self, message: Message) -> None:
         self._connection.send(message)
         if "reply" in message:
             self._replies.append(message)
-            if message["reply"] == _LAST:
-                os.write(self._write, b"x")
+            if message["reply"] == "sink" and "kind" not in message:
+                self._other.send_to(message["value"])
+            self._ask()
 
 
 _LARGEST, _STEP = 512, 16
