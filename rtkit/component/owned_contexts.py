@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from rtkit.component.kinds import read_float
 from rtkit.component.period import check_rate
 from rtkit.errors import Malformed, Refused
-from rtkit.rtc.context_settings import READERS, SETTINGS
+from rtkit.rtc.context_settings import SETTINGS, check_settings
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.pattern import ContextPattern
 
@@ -51,6 +51,7 @@ def wanted_contexts(
         Refused: A type that is not known, or a name that is used twice.
         Malformed: A rate or a setting that cannot be read.
     """
+    check_settings(options)
     text = options.get("execution_contexts", "").strip()
     if text.lower() == _NONE:
         return ()
@@ -93,12 +94,6 @@ def _properties(kind: str, name: str, options: Mapping[str, str]) -> dict[str, s
     for prefix in (f"ec.{kind}.", f"ec.{name}."):
         own = {k.removeprefix(prefix): v for k, v in options.items() if k.startswith(prefix)}
         found.update((key, value) for key, value in own.items() if key != "rate")
-    for key in READERS:
-        if found.get(key, "").strip():
-            try:
-                READERS[key](found[key])
-            except Malformed as error:
-                raise Malformed(f"execution context {name}: {key}: {error}") from None
     return found
 
 

@@ -19,20 +19,16 @@ from rtkit.logs.late import late
 from rtkit.rtc.context_settings import (
     CPU_AFFINITY,
     PRIORITY,
-    READERS,
     SCHED_POLICY,
-    SETTINGS,
     CollectorMode,
     SchedulingPolicy,
     ThreadSettings,
+    check_settings,
+    is_setting,
     read_thread_settings,
 )
 
-OF_SOME = "ec."
-"""Prefix of settings of contexts of one name or type."""
-
 _log = late(__name__)
-_EVERY = "exec_cxt."
 _USUAL_SLACK_NS = 50_000
 _LEAST_SWITCH_S = 100e-6
 _POLICIES = {
@@ -49,34 +45,23 @@ def check(options: Mapping[str, str]) -> None:
         Malformed: One cannot be read; names it.
         Refused: A processor is not there.
     """
+    check_settings(options)
     for key, text in options.items():
-        setting = key.rpartition(".")[2]
-        is_of_contexts = key == _EVERY + setting or key.startswith(OF_SOME)
-        if setting in SETTINGS and is_of_contexts and text.strip():
-            try:
-                check_setting(setting, text)
-            except Malformed as error:
-                raise Malformed(f"{key}: {error}") from None
-            except Refused as error:
-                raise Refused(f"{key}: {error}") from None
+        if key.endswith(f".{CPU_AFFINITY}") and is_setting(key) and text.strip():
+            _check_processors(key, text)
 
 
-def check_setting(setting: str, text: str) -> None:
-    """Refuse a setting of a context that makes no sense.
+def _check_processors(key: str, text: str) -> None:
+    from rtkit.settings.values import processors as read
 
-    Raises:
-        Malformed: It cannot be read.
-        Refused: A processor is not there.
-    """
-    if setting == CPU_AFFINITY:
-        from rtkit.settings.values import processors as read
-
-        there = range(os.cpu_count() or 1)
-        if read(text).isdisjoint(there):
-            known = ",".join(map(str, there))
-            raise Refused(f"no such processors: {text} (there are {known})")
-    else:
-        READERS[setting](text)
+    there = range(os.cpu_count() or 1)
+    try:
+        wanted = read(text)
+    except Malformed as error:
+        raise Malformed(f"{key}: {error}") from None
+    if wanted.isdisjoint(there):
+        known = ",".join(map(str, there))
+        raise Refused(f"{key}: no such processors: {text} (there are {known})")
 
 
 class ContextThread:

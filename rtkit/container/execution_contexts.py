@@ -15,12 +15,12 @@ from rtkit.component.context import ExecutionContext, always
 from rtkit.component.period import check_rate
 from rtkit.component.port import InPort
 from rtkit.container.composites import is_composite
-from rtkit.container.context_thread import OF_SOME, check
+from rtkit.container.context_thread import check
 from rtkit.container.operations import LATER, ContainerServices, Operations, answer_code, in_time
 from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.link.threads import start_thread
-from rtkit.rtc.context_settings import SETTINGS
+from rtkit.rtc.context_settings import SETTINGS, SOME
 from rtkit.rtc.enums import LifeCycleState, ReturnCode, Transition
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ class ExecutionContexts:
         if context.owner != component.instance:
             raise Refused(f"execution context {context.id} is one of {context.owner}: set it there")
         settings = message["settings"]
-        check({f"{OF_SOME}{context.id}.{key}": text for key, text in settings.items()})
+        check({f"{SOME}{context.id}.{key}": text for key, text in settings.items()})
         unknown = [key for key in settings if key not in SETTINGS]
         if unknown:
             raise Malformed(f"no setting of execution contexts: {', '.join(unknown)}")

@@ -45,6 +45,7 @@ from rtkit.profile.rts_model import (
 )
 from rtkit.profile.words import strip_instance
 from rtkit.rtc.connector_properties import PUSH_INTERVAL, finite
+from rtkit.rtc.context_settings import check_settings, is_setting
 from rtkit.rtc.create import CreateString, listed_names, parse_create, readable_create
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern
@@ -217,6 +218,7 @@ def _component(
     known = choices.known_types.get(component.id)
     create = own.get(extension.CREATE, "") or (known.create if known is not None else "")
     policy = {k: v for k, v in own.items() if extension.is_policy(k)}
+    settings = _context_settings(made.instance, own)
     if policy:
         _check_policy(policy)
     if is_stand_in:
@@ -228,8 +230,19 @@ def _component(
     text = ""
     if create:
         made_by = _in_shared_slave(_create(create, made), choices)
-        text = _limited(made_by.with_options(**_policy(policy, made_by, choices)))
+        options = {**settings, **_policy(policy, made_by, choices)}
+        text = _limited(made_by.with_options(**options))
     return _supervised(replace(made, create=text, module=module), policy), where.note
+
+
+def _context_settings(instance: str, own: Mapping[str, str]) -> dict[str, str]:
+    """Return the settings of contexts that a profile states beside the create string."""
+    settings = {key: text for key, text in own.items() if is_setting(key)}
+    try:
+        check_settings(settings)
+    except Malformed as error:
+        raise Malformed(f"{instance}: {error}") from None
+    return settings
 
 
 def _in_shared_slave(create: CreateString, choices: _Choices) -> CreateString:

@@ -12,6 +12,8 @@ from typing import NamedTuple, TypeVar
 
 from rtkit.errors import Malformed
 
+EVERY = "exec_cxt."
+SOME = "ec."
 CPU_AFFINITY = "cpu_affinity"
 """The processors that the thread may use, ``0,2-3``."""
 
@@ -111,6 +113,27 @@ READERS: Mapping[str, Callable[[str], object]] = {
     GARBAGE_COLLECTOR: collector,
 }
 SETTINGS = (CPU_AFFINITY, *READERS)
+
+
+def is_setting(key: str) -> bool:
+    """Return whether an option is a setting of contexts, ``exec_cxt.KEY`` or ``ec.NAME.KEY``."""
+    setting = key.rpartition(".")[2]
+    return setting in SETTINGS and (key == EVERY + setting or key.startswith(SOME))
+
+
+def check_settings(options: Mapping[str, str]) -> None:
+    """Refuse settings of contexts that cannot be read, but for processors.
+
+    Raises:
+        Malformed: Names one of them.
+    """
+    for key, text in options.items():
+        read = READERS.get(key.rpartition(".")[2])
+        if read is not None and is_setting(key) and text.strip():
+            try:
+                read(text)
+            except Malformed as error:
+                raise Malformed(f"{key}: {error}") from None
 
 
 def read_thread_settings(properties: Mapping[str, str]) -> ThreadSettings:

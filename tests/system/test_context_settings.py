@@ -9,8 +9,10 @@ import threading
 from pathlib import Path
 from typing import Any
 
+import browser
 import pytest
 from waiting import facts_of, slave_pid, told_pid, until
+from webkit import served
 
 from rtkit.deployment import actions as act
 from rtkit.errors import RtkitError
@@ -180,13 +182,38 @@ def test_nonsense_is_refused_by_name(manager: Any, option: str, why: str) -> Non
         assert why.partition(": ")[2] in err
 
 
-def test_what_the_system_refuses_is_told(shell: Any) -> None:
-    """The manager has neither the capabilities for it nor the limits, as most users."""
+@pytest.fixture
+def limited(shell: Any) -> Any:
+    """A shell whose manager has neither the capabilities for it nor the limits, as most users."""
     limits = ["prlimit", "--rtprio=0", "--memlock=8388608"]
     as_root = ["setpriv", "--bounding-set=-sys_nice,-ipc_lock"] if os.geteuid() == 0 else []
     shell.prefix = [*limits, *as_root]
     shell.ok("rtmgr start")
     load(shell)
+    return shell
+
+
+@pytest.mark.skipif(browser.NAME is None, reason="chromium is not installed")
+def test_the_page_shows_what_is_missed_and_refused(limited: Any, tmp_path: Path) -> None:
+    settings = "conf.default.nap=0.3&exec_cxt.priority=30"
+    limited.ok(f"rtmgr -c 'Sleeper?manager_name=s&{settings}' {MANAGER}")
+    limited.prefix = []
+    folder = str(tmp_path.resolve())
+    with served(limited) as client, browser.opened(folder, "", "") as page:
+        page.picture("/dev/null", 1200, 800)
+        page.go(f"http://127.0.0.1:{client.port}/#token={client.token}")
+        node = '.react-flow__node[data-id="/localhost/Sleeper0.rtc"]'
+        page.wait_for(f"document.querySelector('{node}') !== null")
+        limited.ok("rtact /localhost/Sleeper0.rtc")
+        page.click(node)
+        told = "document.querySelector('.contexts')?.textContent"
+        page.wait_for(f"{told}?.includes('periods were missed.')")
+        page.wait_for(f"{told}?.includes('It runs without sched_policy fifo, priority 30')")
+        assert page.troubles() == []
+
+
+def test_what_the_system_refuses_is_told(limited: Any) -> None:
+    shell = limited
     settings = "exec_cxt.priority=30&exec_cxt.memory_lock=YES"
     shell.ok(f"rtmgr -c 'Told?manager_name=s&{settings}' {MANAGER}")
     until(lambda: "Trouble" in shell.ok("rtcat -l /localhost/Told0.rtc"), "no refusal is told")
@@ -283,3 +310,32 @@ def test_one_that_misses_periods_is_not_well(tree: Tree, manager: Any) -> None:
         lambda: "periods a second, above 50" in facts_of(tree, "Z").restart_status.degraded,
         "the rule is not broken",
     )
+
+
+PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
+<rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"
+  xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext"
+  xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" rts:id="RTSystem:me:Told:1"
+  rts:version="0.2">
+  <rts:Components xsi:type="rtsExt:component_ext" rts:id="RTC:::Told:"
+    rts:pathUri="localhost/A.rtc" rts:instanceName="A" rts:isRequired="true"
+    rtsExt:visible="true">
+    <rtsExt:Properties rtsExt:name="rtkit.create" rtsExt:value="Told?manager_name=s"/>
+    <rtsExt:Properties rtsExt:name="exec_cxt.garbage_collector" rtsExt:value="{mode}"/>
+  </rts:Components>
+</rts:RtsProfile>
+"""
+
+
+def test_a_profile_states_settings(tree: Tree, manager: Any) -> None:
+    load(manager)
+    profile = manager.folder / "told.xml"
+    profile.write_text(PROFILE.format(mode="never"))
+    status, _, err = manager.run(f"rtresurrect {profile}")
+    why = "A: exec_cxt.garbage_collector: no mode of the garbage collector: never"
+    assert (status, why in err) == (1, True), err
+    profile.write_text(PROFILE.format(mode="off"))
+    manager.ok(f"rtresurrect {profile}")
+    (context,) = facts_of(tree, "A").contexts
+    assert context.properties == {"garbage_collector": "off"}
+    manager.ok(f"rtcheck {profile}")
