@@ -59,7 +59,7 @@ def _pour(path: str) -> None:
         payload = bytes(size)
         for _ in range(count):
             publisher.put(payload)
-    client.close()  # type: ignore[no-untyped-call]
+    client.close()
 
 
 if __name__ == "__main__":

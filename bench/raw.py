@@ -102,7 +102,7 @@ def reach(endpoint: str) -> Any:
 
 
 def _iceoryx2(role: str, place: str, size: int) -> Ends:
-    import iceoryx2 as iox2  # type: ignore[import-not-found, unused-ignore]
+    import iceoryx2 as iox2  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
     iox2.set_log_level(iox2.LogLevel.Error)
     node = iox2.NodeBuilder.new().create(iox2.ServiceType.Ipc)
