@@ -13,7 +13,7 @@ from rtkit.deployment.delta import TREE, Delta, FullSnapshot, changed
 from rtkit.deployment.facts import ComponentFacts, Followed, ProcessFacts, Snapshot
 from rtkit.fast_dataclass import replace
 from rtkit.manager.core.events import AnswerClient, Instruction, Publish
-from rtkit.manager.core.indexed_table import IndexedTable
+from rtkit.manager.core.indexed_table import IndexedTable, Journal
 from rtkit.manager.core.state import ManagerState
 from rtkit.property.exchange import Reply
 from rtkit.rtc.profiles import ConnectorProfile
@@ -25,7 +25,9 @@ T = TypeVar("T")
 class ChangeFeed:
     """State as the subscribers know it; `out` collects instructions for the shell."""
 
-    DERIVED = ("_components", "_connectors", "_processes", "_signs", "_names", "_systems")
+    DERIVED = (
+        "_components", "_connectors", "_processes", "_signs", "_names", "_systems", "_journals",
+    )  # fmt: skip
 
     def __init__(self, state: ManagerState, out: list[Instruction]) -> None:
         self._state = state
@@ -38,6 +40,7 @@ class ChangeFeed:
         self._signs: list[object] = []
         self._names: tuple[str, ...] = ()
         self._systems: tuple[Followed, ...] = ()
+        self._journals: tuple[Journal[str], ...] = ()
         self._held: list[int] | None = None
 
     @property
@@ -54,8 +57,7 @@ class ChangeFeed:
         """Note that somebody listens now, or that nobody does any more."""
         if not has_listeners:
             self._is_published = False
-            for table in self._tables:
-                table.end_journal()
+            self._end_journals()
         elif not self._is_published:
             self._begin()
 
@@ -110,10 +112,15 @@ class ChangeFeed:
         """The tables of which changes are published."""
         return self._state.components, self._state.claims, self._state.connectors
 
+    def _end_journals(self) -> None:
+        for table, journal in zip(self._tables, self._journals, strict=False):
+            table.end_journal(journal)
+        self._journals = ()
+
     def _take_in(self) -> None:
         """Take the present facts for known."""
-        for table in self._tables:
-            table.begin_journal()
+        self._end_journals()
+        self._journals = tuple(table.begin_journal() for table in self._tables)
         facts = self._facts()
         self._components = {each.instance: each for each in facts.components}
         self._connectors = {each.connector_id: each for each in facts.connectors}
@@ -137,10 +144,10 @@ class ChangeFeed:
         reached = tuple(state.kept.reached.values())
         systems = reached if reached != self._systems else None
         self._names, self._systems = state.names, reached
-        touched = {**state.components.take_journal(), **state.claims.take_journal()}
+        entered, claimed, joined = (journal.take() for journal in self._journals)
+        touched = {**entered, **claimed}
         found = {each: state.components.get(each) for each in touched if each not in state.claims}
         components, gone = _renewed(self._components, touched, found.get)
-        joined = state.connectors.take_journal()
         connectors, cut = _renewed(self._connectors, joined, state.connectors.get)
         processes, ended = self._changed_processes()
         number = self._number + 1

@@ -7,11 +7,27 @@ all rows would make them cost their square.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 K = TypeVar("K")
 V = TypeVar("V")
 _MISSING: Any = object()
+
+
+class Journal(Generic[K]):
+    """Keys of the rows of a table that were put or removed; each who follows it has one."""
+
+    def __init__(self) -> None:
+        self._keys: dict[K, None] = {}
+
+    def note(self, key: K) -> None:
+        """Note that a row has changed."""
+        self._keys[key] = None
+
+    def take(self) -> Mapping[K, None]:
+        """Return the keys of the rows that have changed since the last time."""
+        taken, self._keys = self._keys, {}
+        return taken
 
 
 class IndexedTable(dict[K, V]):
@@ -24,7 +40,7 @@ class IndexedTable(dict[K, V]):
         super().__init__(rows)
         self._terms = terms
         self._index: dict[Hashable, dict[K, None]] | None = None
-        self._journal: dict[K, None] | None = None
+        self._journals: list[Journal[K]] = []
 
     def like(self, rows: Mapping[K, V]) -> IndexedTable[K, V]:
         """Return a table of other rows, which are found by the same terms."""
@@ -38,22 +54,19 @@ class IndexedTable(dict[K, V]):
                 self._enter(self._index, key, self._terms(row))
         return self._index.get(term, {}).keys()
 
-    def begin_journal(self) -> None:
-        """Note from now on which rows change."""
-        self._journal = {}
+    def begin_journal(self) -> Journal[K]:
+        """Return a journal of the rows that change from now on."""
+        journal: Journal[K] = Journal()
+        self._journals.append(journal)
+        return journal
 
-    def end_journal(self) -> None:
-        """Note no changes any more."""
-        self._journal = None
-
-    def take_journal(self) -> Mapping[K, None]:
-        """Return the keys of the rows that were put or removed since the last time."""
-        taken, self._journal = self._journal or {}, {}
-        return taken
+    def end_journal(self, journal: Journal[K]) -> None:
+        """Note changes in a journal no more."""
+        self._journals = [each for each in self._journals if each is not journal]
 
     def __setitem__(self, key: K, row: V) -> None:
-        if self._journal is not None:
-            self._journal[key] = None
+        for journal in self._journals:
+            journal.note(key)
         if self._index is not None:
             terms, known = tuple(self._terms(row)), self.get(key, _MISSING)
             if known is _MISSING or (before := tuple(self._terms(known))) != terms:
@@ -70,8 +83,8 @@ class IndexedTable(dict[K, V]):
         if default is not _MISSING and key not in self:
             return default
         row = super().pop(key)
-        if self._journal is not None:
-            self._journal[key] = None
+        for journal in self._journals:
+            journal.note(key)
         if self._index is not None:
             self._leave(self._index, key, self._terms(row))
         return row
