@@ -62,6 +62,48 @@ class FullSnapshot:
     facts: Snapshot
 
 
+class LiveFacts:
+    """Facts of a manager that deltas change, each at what it changes, however many there are.
+
+    Attributes:
+        components: By instance name.
+        connectors: By id.
+        processes: By pid.
+        systems: That are followed.
+    """
+
+    def __init__(self, snapshot: Snapshot) -> None:
+        self._snapshot: Snapshot | None = snapshot
+        self._begin = snapshot
+        self.components = {each.instance: each for each in snapshot.components}
+        self.connectors = {each.connector_id: each for each in snapshot.connectors}
+        self.processes = {each.pid: each for each in snapshot.processes}
+        self._names, self.systems = snapshot.names, snapshot.systems
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """All of them as they are now."""
+        if self._snapshot is None:
+            self._snapshot = replace(
+                self._begin,
+                components=tuple(self.components.values()),
+                connectors=tuple(self.connectors.values()),
+                processes=tuple(self.processes.values()),
+                names=self._names,
+                systems=self.systems,
+            )
+        return self._snapshot
+
+    def apply(self, delta: Delta) -> None:
+        """Change them as a delta says."""
+        self._snapshot = None
+        _merge(self.components, delta.components, delta.gone, "instance")
+        _merge(self.connectors, delta.connectors, delta.cut, "connector_id")
+        _merge(self.processes, delta.processes, delta.ended, "pid")
+        self._names = self._names if delta.names is None else delta.names
+        self.systems = self.systems if delta.systems is None else delta.systems
+
+
 def delta_between(before: Snapshot, after: Snapshot, run: str, number: int) -> Delta:
     """Return what changed from one moment to another."""
     components, gone = changed(before.components, after.components, "instance")
@@ -83,14 +125,9 @@ def delta_between(before: Snapshot, after: Snapshot, run: str, number: int) -> D
 
 def applied(facts: Snapshot, delta: Delta) -> Snapshot:
     """Return the facts as they are after a delta."""
-    return replace(
-        facts,
-        components=_merged(facts.components, delta.components, delta.gone, "instance"),
-        connectors=_merged(facts.connectors, delta.connectors, delta.cut, "connector_id"),
-        processes=_merged(facts.processes, delta.processes, delta.ended, "pid"),
-        names=facts.names if delta.names is None else delta.names,
-        systems=facts.systems if delta.systems is None else delta.systems,
-    )
+    live = LiveFacts(facts)
+    live.apply(delta)
+    return live.snapshot
 
 
 def changed(
@@ -106,14 +143,8 @@ def changed(
     return tuple(fresh), tuple(known)
 
 
-def _merged(
-    present: tuple[T, ...], fresh: tuple[T, ...], gone: Iterable[object], key: str
-) -> tuple[T, ...]:
-    if not fresh and not gone:
-        return present
-    known = {getattr(each, key): each for each in present}
+def _merge(known: dict[Any, T], fresh: Iterable[T], gone: Iterable[object], key: str) -> None:
     for name in gone:
         known.pop(name, None)
     for each in fresh:
         known[getattr(each, key)] = each
-    return tuple(known.values())

@@ -7,10 +7,11 @@ policies and health rules.
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
-from rtkit.deployment.delta import Delta
+from rtkit.deployment.delta import Delta, LiveFacts
 from rtkit.deployment.facts import (
     ComponentFacts,
     Followed,
@@ -76,11 +77,11 @@ def _of(kind: str, facts: ComponentFacts, subject: str, event: str, detail: str 
     return UserEvent(kind, facts.instance, facts.process, subject, event, detail, facts.names)
 
 
-def user_events(before: Snapshot, delta: Delta) -> Iterator[UserEvent]:
+def user_events(before: Snapshot | LiveFacts, delta: Delta) -> Iterator[UserEvent]:
     """Yield the events between the facts `before` and a delta; what goes comes first."""
-    known = {facts.instance: facts for facts in before.components}
-    places = {**known, **{facts.instance: facts for facts in delta.components}}
-    connectors = {connector.connector_id: connector for connector in before.connectors}
+    before = LiveFacts(before) if isinstance(before, Snapshot) else before
+    known, connectors = before.components, before.connectors
+    places = ChainMap({facts.instance: facts for facts in delta.components}, known)
     for connector_id in delta.cut:
         yield from _wired(connectors.get(connector_id), places, "PORT_DISCONNECT")
     for instance in delta.gone:
@@ -97,7 +98,7 @@ def user_events(before: Snapshot, delta: Delta) -> Iterator[UserEvent]:
     yield from _systems(before, delta)
 
 
-def _systems(before: Snapshot, delta: Delta) -> Iterator[UserEvent]:
+def _systems(before: LiveFacts, delta: Delta) -> Iterator[UserEvent]:
     """Yield where systems came that are followed, and which transitions failed."""
     if delta.systems is None:
         return
@@ -130,8 +131,8 @@ def heartbeats(facts: ComponentFacts, contexts: Iterable[str]) -> Iterator[UserE
         yield _of(HEARTBEAT, facts, context, "EC_HEARTBEAT")
 
 
-def _processes(before: Snapshot, delta: Delta) -> Iterator[UserEvent]:
-    known = {each.pid: each for each in before.processes}
+def _processes(before: LiveFacts, delta: Delta) -> Iterator[UserEvent]:
+    known = before.processes
     for pid in delta.ended:
         old = known.get(pid)
         if old is not None and old.state != "lost":

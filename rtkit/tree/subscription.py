@@ -15,7 +15,7 @@ from time import monotonic
 from typing import NamedTuple
 
 from rtkit.closing import Closing
-from rtkit.deployment.delta import TREE, Delta, FullSnapshot, applied, delta_between
+from rtkit.deployment.delta import TREE, Delta, FullSnapshot, LiveFacts, delta_between
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.metrics import METRICS, Metrics
 from rtkit.deployment.user_events import UserEvent, user_events
@@ -64,7 +64,6 @@ class ManagerSubscription(Closing):
 
     Attributes:
         tree: The connection to it.
-        facts: Facts of the manager, as of the change taken last.
     """
 
     def __init__(self, tree: Tree, lines: Iterable[str] = (TREE,)) -> None:
@@ -85,7 +84,7 @@ class ManagerSubscription(Closing):
                 self._ends.append(tree.listen(line, self._take_in(line)))
             snapshot = self._first_snapshot()
             self._run, self._number = snapshot.run, snapshot.number
-            self.facts: Snapshot = snapshot.facts
+            self._live = LiveFacts(snapshot.facts)
             if tree.host != host_name():  # there its pid is that of anybody here
                 self._ends.append(tree.notice(self._note))
             else:
@@ -94,6 +93,11 @@ class ManagerSubscription(Closing):
         except BaseException:
             self.close()
             raise
+
+    @property
+    def facts(self) -> Snapshot:
+        """Facts of the manager, as of the change taken last."""
+        return self._live.snapshot
 
     def close(self) -> None:
         """Listen no more."""
@@ -152,8 +156,8 @@ class ManagerSubscription(Closing):
         if (delta.run, delta.number) != (self._run, self._number + 1):
             return self._catch_up(delta)
         self._number = delta.number
-        changes = tuple(user_events(self.facts, delta))
-        self.facts = applied(self.facts, delta)
+        changes = tuple(user_events(self._live, delta))
+        self._live.apply(delta)
         return [TreeChange(delta.time, changes)] if changes else []
 
     def _catch_up(self, delta: Delta) -> list[ManagerEvent]:
@@ -165,7 +169,8 @@ class ManagerSubscription(Closing):
             return [self._end(str(error))]
         missed = delta_between(self.facts, snapshot.facts, snapshot.run, snapshot.number)
         changes = tuple(user_events(self.facts, missed))
-        self._run, self._number, self.facts = snapshot.run, snapshot.number, snapshot.facts
+        self._run, self._number = snapshot.run, snapshot.number
+        self._live = LiveFacts(snapshot.facts)
         return [TreeChange(delta.time, changes, lost)] if changes or lost else []
 
     def _end(self, why: str, *, is_orderly: bool = False) -> SubscriptionEnded:
