@@ -37,12 +37,12 @@ class RateRow(NamedTuple):
         reached_hz: Cycles per second; None where no cycle calls the component.
         mean_s: Time of a cycle [s].
         longest_s: Time of the longest one in the last second [s].
-        missed_hz: Periods per second at which nothing was done.
-        latest_s: How late a cycle began at most in the last second [s].
         cpu_percent: Processor time of its whole process, in percent of one processor.
         memory_bytes: Memory of its whole process.
         written_hz: Values per second, by out port.
         read_hz: Values per second, by in port.
+        missed_hz: Periods per second at which nothing was done.
+        latest_s: How late a cycle began at most in the last second [s].
     """
 
     path: str
@@ -58,12 +58,12 @@ class RateRow(NamedTuple):
     reached_hz: float | None = None
     mean_s: float | None = None
     longest_s: float | None = None
-    missed_hz: float | None = None
-    latest_s: float | None = None
     cpu_percent: float | None = None
     memory_bytes: int | None = None
     written_hz: Rates | None = None
     read_hz: Rates | None = None
+    missed_hz: float | None = None
+    latest_s: float | None = None
 
     @property
     def out_hz(self) -> float | None:

@@ -51,6 +51,7 @@ def main(
     \b
     RATE/Hz   cycles a second: reached / asked for; - where no cycle calls the component
     MEAN/ms   time of a cycle; MAX/ms of the longest one in the last second
+    MISS/s    periods missed
     CPU% MEM  of the whole process, which several components may share
     IN/s      values read from in ports; OUT/s written to out ports
     RST       how often its policy made it again after it was lost (rtkit.restart)

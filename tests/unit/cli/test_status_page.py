@@ -76,6 +76,10 @@ CONTEXT = {
     "reached_hz": 49.5,
     "mean_s": 0.0011,
     "longest_s": 0.02,
+    "missed": 512,
+    "missed_hz": 50.5,
+    "latest_s": 0.0031,
+    "trouble": "",
 }
 RESTARTS = {"policy": "on-failure", "count": 2, "why": "signal 9", "returning": "", "given_up": ""}
 CRASH = {
@@ -115,7 +119,8 @@ def test_a_page_with_everything() -> None:
         "  Set        default",
         "  Process    a (pid 7) up",
         "  Manager    m (pid 3)",
-        "  Context 0  Active, 49.5 of 100 Hz, a cycle 1.1 ms, the longest 20 ms",
+        "  Context 0  Active, 49.5 of 100 Hz, a cycle 1.1 ms, the longest 20 ms,"
+        " begun at most 3.1 ms late, 512 periods missed (50.5/s)",
         "  Used       20.0 MiB, 12.3 % of a processor",
         "  Limits     memory 1 GiB",
         "  Health     stuck 1:restart",
@@ -172,10 +177,14 @@ def test_ages(seconds: int, told: str) -> None:
 
 
 def test_a_context_that_stands() -> None:
-    stopped = {**CONTEXT, "is_running": False, "reached_hz": None, "mean_s": None}
+    unknown = {**CONTEXT, "mean_s": None, "missed": 0, "missed_hz": None, "latest_s": None}
+    stopped = {**unknown, "is_running": False, "reached_hz": None}
     assert "  Context 0  Active, stopped, 100 Hz" in [*page(record(contexts=[stopped]), NOW)]
-    driven = {**CONTEXT, "rate_hz": 0.0, "mean_s": None}
+    driven = {**unknown, "rate_hz": 0.0}
     assert "  Context 0  Active, 49.5 Hz" in [*page(record(contexts=[driven]), NOW)]
+    missed = {**unknown, "reached_hz": None, "missed": 3}
+    told = "  Context 0  Active, 100 Hz, 3 periods missed"
+    assert told in [*page(record(contexts=[missed]), NOW)]
 
 
 def test_restarts_that_are_to_come() -> None:

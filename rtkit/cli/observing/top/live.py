@@ -43,6 +43,7 @@ _HELP = (
     "",
     "RATE/Hz      cycles a second: reached / asked for; - where no cycle calls it",
     "MEAN MAX/ms  time of a cycle, and of the longest in the last second",
+    "MISS/s       periods at which nothing was done",
     "CPU% MEM     of its whole process; IN/s OUT/s values of its data ports",
     "RST          how often its policy made it again after it was lost",
 )

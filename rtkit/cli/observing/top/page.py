@@ -84,14 +84,15 @@ COLUMNS = (
         False,
     ),
     Column("RATE/Hz", 9, rate, lambda row: row.reached_hz),
-    Column("MEAN/ms", 7, lambda row: _ms(row.mean_s), lambda row: row.mean_s, order=7),
-    Column("MAX/ms", 6, lambda row: _ms(row.longest_s), lambda row: row.longest_s, order=5),
+    Column("MEAN/ms", 7, lambda row: _ms(row.mean_s), lambda row: row.mean_s, order=8),
+    Column("MAX/ms", 6, lambda row: _ms(row.longest_s), lambda row: row.longest_s, order=6),
+    Column("MISS/s", 6, lambda row: short(row.missed_hz), lambda row: row.missed_hz, order=1),
     Column("CPU%", 5, lambda row: short(row.cpu_percent), lambda row: row.cpu_percent),
-    Column("MEM", 5, lambda row: memory(row.memory_bytes), lambda row: row.memory_bytes, order=6),
-    Column("IN/s", 5, lambda row: short(row.in_hz), lambda row: row.in_hz, order=4),
-    Column("OUT/s", 5, lambda row: short(row.out_hz), lambda row: row.out_hz, order=3),
-    Column("RST", 4, lambda row: str(row.restarts), lambda row: row.restarts, order=2),
-    Column("PROCESS", 8, lambda row: row.process, lambda row: row.process, False, False, order=1),
+    Column("MEM", 5, lambda row: memory(row.memory_bytes), lambda row: row.memory_bytes, order=7),
+    Column("IN/s", 5, lambda row: short(row.in_hz), lambda row: row.in_hz, order=5),
+    Column("OUT/s", 5, lambda row: short(row.out_hz), lambda row: row.out_hz, order=4),
+    Column("RST", 4, lambda row: str(row.restarts), lambda row: row.restarts, order=3),
+    Column("PROCESS", 8, lambda row: row.process, lambda row: row.process, False, False, order=2),
 )
 TITLES = tuple(column.title for column in COLUMNS)
 
