@@ -114,7 +114,7 @@ def _looked_at(tree: Tree, folder: str) -> Lines:
     line = [command("rtweb"), "--no-browser"]
     with browser.opened(folder, "", "") as page:
         page.picture(os.devnull, *_WINDOW)
-        still_ms = _frames(page)
+        still_ms = _frames(page, _press, _move)
         with _serving(line) as (_, address):
             alone_s = _first_s(page, address)
         _at_work(tree)
@@ -124,11 +124,12 @@ def _looked_at(tree: Tree, folder: str) -> Lines:
             floor = "the same page without a component"
             ratio = first_s / alone_s
             yield Row(f"{name}: first picture", "s", first_s, alone_s, ratio, 3.0, False, floor)
-            pan_ms = _frames(page)
             floor = "a page without anything"
-            ratio = pan_ms / still_ms
-            yield Row(f"{name}: frame while panning", "ms", pan_ms, still_ms, ratio, 20.0, False,
-                      floor)  # fmt: skip
+            for what, begin, end in (("panning", _press, _move), ("zooming", _aim, _zoom)):
+                move_ms = _frames(page, begin, end)
+                ratio = move_ms / still_ms
+                yield Row(f"{name}: frame while {what}", "ms", move_ms, still_ms, ratio, 20.0,
+                          False, floor)  # fmt: skip
             share = _share(pid)
             floor = "one processor"
             yield Row(f"{name}: its server", "%", share, 100.0, share / 100, 50.0, False, floor)
@@ -142,16 +143,37 @@ def _first_s(page: browser.Browser, address: str) -> float:
     return time.perf_counter() - began
 
 
-def _frames(page: browser.Browser) -> float:
-    """Return the median time from one frame to the next while the mouse draws the picture [ms]."""
-    x, y = _WINDOW[0] / 2, _WINDOW[1] / 3
-    page.mouse("mousePressed", x, y)
+Hand = Callable[[browser.Browser, int], object]
+"""Moves the picture: the step that it is at is told."""
+_X, _Y = _WINDOW[0] / 2, _WINDOW[1] / 3
+
+
+def _frames(page: browser.Browser, begin: Hand, move: Hand) -> float:
+    """Return the median time from one frame to the next while the picture is moved [ms]."""
+    begin(page, 0)
     page.evaluate(_COUNT_FRAMES)
     for step in range(_MOVES):
-        page.mouse("mouseMoved", x + 3 * (step % 60), y + step % 60)
+        move(page, step)
     times: list[float] = json.loads(page.evaluate(_FRAMES_SO_FAR))
-    page.mouse("mouseReleased", x, y)
+    page.mouse("mouseReleased", _X, _Y)
     return statistics.median(times)
+
+
+def _press(page: browser.Browser, _step: int) -> None:
+    page.mouse("mousePressed", _X, _Y)
+
+
+def _move(page: browser.Browser, step: int) -> None:
+    page.mouse("mouseMoved", _X + 3 * (step % 60), _Y + step % 60)
+
+
+def _aim(page: browser.Browser, _step: int) -> None:
+    page.mouse("mouseReleased", _X, _Y)
+
+
+def _zoom(page: browser.Browser, step: int) -> None:
+    """Zoom in until names are read, out until boxes are specks, and so on."""
+    page.wheel(_X, _Y, -100 if step % 60 < 30 else 100)
 
 
 def _share(pid: int) -> float:

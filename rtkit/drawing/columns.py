@@ -41,24 +41,48 @@ class Hop(NamedTuple):
     net: object
 
 
-def arranged(boxes: Sequence[s.Box], wires: Sequence[s.Wire]) -> s.Layout:
-    """Return places for boxes of which each is connected to another one, or is alone."""
-    return _Columns(boxes, wires).arrangement()
+def arranged(
+    boxes: Sequence[s.Box],
+    wires: Sequence[s.Wire],
+    rank: Sequence[int] | None = None,
+    points: int = 0,
+) -> s.Layout:
+    """Return places for boxes of which each is connected to another one, or is alone.
+
+    Args:
+        boxes: What is drawn.
+        wires: Between them.
+        rank: The column of each box; None to choose it.
+        points: So many of the last boxes have no size: there wires leave the picture.
+    """
+    return _Columns(boxes, wires, rank, points).arrangement()
+
+
+def columns_of(boxes: Sequence[s.Box], wires: Sequence[s.Wire]) -> list[int]:
+    """Return the column of each box."""
+    first = [index for index, box in enumerate(boxes) if box.is_first]
+    return ranks(len(boxes), [(wire.source.box, wire.target.box) for wire in wires], first)
 
 
 class _Columns:
-    def __init__(self, boxes: Sequence[s.Box], wires: Sequence[s.Wire]) -> None:
+    def __init__(
+        self,
+        boxes: Sequence[s.Box],
+        wires: Sequence[s.Wire],
+        rank: Sequence[int] | None,
+        points: int,
+    ) -> None:
         self._boxes = boxes
         self._wires = wires
-        self._sizes = [s.box_size(box) for box in boxes]
-        self._offsets = [s.port_offsets(box) for box in boxes]
-        first = [index for index, box in enumerate(boxes) if box.is_first]
-        edges = [(wire.source.box, wire.target.box) for wire in wires]
-        self._rank = ranks(len(boxes), edges, first)
+        self._solid = len(boxes) - points
+        solid = boxes[: self._solid]
+        self._sizes = [s.box_size(box) for box in solid] + [s.Size(0, 0)] * points
+        self._offsets = [s.port_offsets(box) for box in solid] + [{0: 0}] * points
+        self._rank = rank or columns_of(boxes, wires)
         self._heights = [size.height for size in self._sizes]
         self._columns: list[list[int]] = [[] for _ in range(max(self._rank) + 1)]
-        for box, rank in enumerate(self._rank):
-            self._columns[rank].append(box)
+        for box, column in enumerate(self._rank):
+            self._columns[column].append(box)
         self._hops = [self._way(wire) for wire in wires]
         self._tops: dict[int, int] = {}
         self._routes: list[dict[object, Route]] = []
@@ -163,7 +187,7 @@ class _Columns:
 
     def _pull(self, hop: Hop, pulls: dict[int, tuple[list[Pull], list[Pull]]]) -> None:
         start, end = hop.start, hop.end
-        count = len(self._boxes)
+        count = self._solid
         passing = (start.node >= count) + (end.node >= count)
         is_turn = start.side == end.side
         # A turn is near its box where nothing else matters.
@@ -176,7 +200,7 @@ class _Columns:
             pulls[one.node][index].append(Pull(other.node, other.offset - one.offset, weight))
 
     def _gaps(self, column: Sequence[int]) -> list[float]:
-        count = len(self._boxes)
+        count = self._solid
         gaps = [0.0]
         for above, below in pairwise(column):
             passing = (above >= count) + (below >= count)
@@ -227,7 +251,7 @@ class _Columns:
         for hop in hops:
             points += self._corners(hop, starts[hop.channel])
         points.append(self._port(wire.target, places))
-        return tuple(_simplified(points))
+        return tuple(simplified(points))
 
     def _corners(self, hop: Hop, start: int) -> list[s.Point]:
         """Return the corners of a wire in a channel that begins at `start`."""
@@ -266,7 +290,7 @@ def _link(hop: Hop, heights: Sequence[int]) -> EdgePiece:
     return EdgePiece(left.node, right.node, at(left), at(right))
 
 
-def _simplified(points: Sequence[s.Point]) -> list[s.Point]:
+def simplified(points: Sequence[s.Point]) -> list[s.Point]:
     """Leave out corners that are none."""
     kept: list[s.Point] = []
     for point in points:

@@ -5,17 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from rtkit.drawing.columns import arranged
+from rtkit.drawing.parallel import apart
 from rtkit.drawing.scene import Box, Layout, Point, Scene, Size, Wire, WireEnd
+from rtkit.drawing.wrapping import WIDEST, wrapped
 
 _BETWEEN = 40
 _ASPECT = 1.7
 
 
-def laid_out(scene: Scene) -> Layout:
-    """Return the layout of a scene; parts without wires between them are put side by side."""
+def laid_out(scene: Scene, widest: int = WIDEST) -> Layout:
+    """Return the layout of a scene; parts without wires between them are put side by side.
+
+    A part that is wider than `widest` goes on in further rows, where that makes it easier to read.
+    """
     islands = list(_islands(scene))
-    parts = [arranged(*_part(scene, island)) for island in islands]
+    parts = [wrapped(*_part(scene, island), widest) for island in islands]
     corners = _packed([part.size for part in parts])
     places: list[Point] = [(0, 0)] * len(scene.boxes)
     paths: list[tuple[Point, ...]] = [()] * len(scene.wires)
@@ -29,7 +33,7 @@ def laid_out(scene: Scene) -> Layout:
     placed = list(zip(parts, corners, strict=True))
     width = max((x + part.size.width for part, (x, _) in placed), default=0)
     height = max((y + part.size.height for part, (_, y) in placed), default=0)
-    return Layout(Size(width, height), tuple(places), tuple(paths), tuple(joints))
+    return Layout(Size(width, height), tuple(places), apart(scene.wires, paths), tuple(joints))
 
 
 class _Island(NamedTuple):

@@ -133,6 +133,10 @@ class Browser:
         given["modifiers"] = 2 if is_control else 0
         self._do("Input.dispatchMouseEvent", type=kind, x=x, y=y, **given)
 
+    def wheel(self, x: float, y: float, delta: float) -> None:
+        """Turn the wheel at a place: down by a positive `delta` [px]."""
+        self._do("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=delta)
+
     def touch(self, x: float, y: float) -> None:
         """Touch a place with a finger, and let go."""
         for kind, points in (("touchStart", [{"x": x, "y": y}]), ("touchEnd", [])):

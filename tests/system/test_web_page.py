@@ -69,6 +69,27 @@ def test_what_a_shell_does_appears(page: browser.Browser, manager: Shell) -> Non
     page.wait_for(f"!({is_there(node(IN))})")
 
 
+def test_wires_between_two_ports_are_apart_and_each_is_picked(
+    page: browser.Browser, manager: Shell
+) -> None:
+    for id in ("one", "two"):
+        manager.ok(f"rtcon -i {id} {IN}:out {OUT}:in")
+    page.wait_for(f"document.querySelectorAll('{EDGE} .react-flow__edge-path').length === 2")
+    look = f"""JSON.stringify([...document.querySelectorAll('{EDGE}')].map((edge) => {{
+        const path = edge.querySelector('.react-flow__edge-path');
+        const at = path.getPointAtLength(4).matrixTransform(path.getScreenCTM());
+        return [at.y, at.x, edge.dataset.id];
+    }}))"""
+    upper, lower = sorted(json.loads(page.evaluate(look)))
+    assert 2 < lower[0] - upper[0] < 10
+    # The areas of both lie over each other: the nearer wire is meant, also by who misses it.
+    for (y, x, id), aside in ((upper, -9), (lower, 9)):
+        for kind in ("mouseMoved", "mousePressed", "mouseReleased"):
+            page.mouse(kind, x + 6, y + aside)
+        page.wait_for(is_there(f'{EDGE}[data-id="{id}"] .wire.is-selected'))
+        page.wait_for(is_there(f'{EDGE}.is-aimed[data-id="{id}"]'))
+
+
 def test_the_dead_are_told_by_word_and_shape(page: browser.Browser, tree: Tree) -> None:
     (slave,) = (each.pid for each in tree.snapshot().processes if each.is_slave)
     os.kill(slave, signal.SIGKILL)

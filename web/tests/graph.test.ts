@@ -34,6 +34,12 @@ describe('the graph', () => {
     expect(graph(system, new Map([[motor.id, { x: 400, y: 40 }]])).edges[0]?.data?.path).toBeNull();
   });
 
+  it('leads wires between the same two boxes beside each other', () => {
+    const wires = ['a', 'b', 'c'].map((id) => wire(id, 'Sensor0.out', 'Motor0.speed'));
+    const given = reduceSystem(EMPTY_SYSTEM, { kind: 'picture', picture: picture({ components: [sensor, motor], connectors: wires }) });
+    expect(graph(given).edges.map((edge) => edge.data?.lane)).toEqual([{ between: -10, atPort: -4 }, { between: 0, atPort: 0 }, { between: 10, atPort: 4 }]);
+  });
+
   it('takes side and height of a port from the layout', () => {
     const service = component('Tts0', { ports: [port('say', 'service')] });
     const given = reduceSystem(system, { kind: 'change', change: change(2, { components: [service] }) });

@@ -13,12 +13,14 @@ import { sentence } from '../server/api';
 import { useEditor } from '../shell/contexts';
 import type { View } from '../shell/view';
 import { useTexts } from '../texts';
+import { wireAt } from './aim';
 import { CanvasTools } from './CanvasTools';
 import { ComponentNode } from './ComponentNode';
 import { ConnectingContext, type Connecting } from './ConnectingContext';
 import { FrameNode } from './FrameNode';
 import { FIT, buildEdges, buildNodes, keeper, placedBoxes, type GraphNode, type WireEdgeType } from './graph';
 import { Wire } from './Wire';
+import { WireAreas } from './WireAreas';
 
 const NODE_TYPES = { component: ComponentNode, frame: FrameNode };
 const EDGE_TYPES = { wire: Wire };
@@ -41,6 +43,7 @@ function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
   const editor = useEditor();
   const flow = useReactFlow<GraphNode, WireEdgeType>();
   const wrapper = useRef<HTMLDivElement>(null);
+  const aimed = useRef<Element>(null);
   const { connecting, hint, begin, end } = useConnecting();
 
   const [keepNode] = useState(() => keeper<GraphNode>());
@@ -64,6 +67,14 @@ function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
   const pick = (id: string, isAdded: boolean) => {
     if (!isAdded) editor.select([id]);
     else editor.select(selection.has(id) ? view.selection.filter((one) => one !== id) : [...view.selection, id]);
+  };
+
+  /** The areas of wires overlap: the nearest one is shown, and picked. */
+  const aim = (wire: Element | null) => {
+    if (wire === aimed.current) return;
+    aimed.current?.classList.remove('is-aimed');
+    wire?.classList.add('is-aimed');
+    aimed.current = wire;
   };
 
   const focusNode = (id: string) => {
@@ -127,7 +138,8 @@ function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
           onNodesChange={onNodesChange}
           onNodeClick={(event, node) => !(event.target instanceof Element && event.target.closest('button')) && pick(node.id, event.shiftKey || event.ctrlKey || event.metaKey)}
           onNodeDoubleClick={(_, node) => (node.type === 'frame' ? editor.toggleFold(node.id) : onOpen())}
-          onEdgeClick={(event, edge) => pick(edge.id, event.shiftKey || event.ctrlKey || event.metaKey)}
+          onEdgeClick={(event, edge) => pick(wireAt(event.clientX, event.clientY)?.getAttribute('data-id') ?? edge.id, event.shiftKey || event.ctrlKey || event.metaKey)}
+          onEdgeMouseMove={(event) => aim(wireAt(event.clientX, event.clientY))} onEdgeMouseLeave={() => aim(null)}
           onPaneClick={() => editor.select([])}
           onConnectStart={(_, start) => begin(start)} onConnectEnd={end} onConnect={connect} isValidConnection={allows}
           nodesConnectable={editor.canChange} connectionMode={ConnectionMode.Loose} connectionLineType={ConnectionLineType.SmoothStep}
@@ -139,6 +151,7 @@ function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
           <Background variant={BackgroundVariant.Dots} gap={20} size={1} />
           <MiniMap<GraphNode> pannable zoomable ariaLabel={texts.canvas.minimap} nodeClassName={miniClass} nodeBorderRadius={6} style={MINIMAP_SIZE} />
           <CanvasTools />
+          <WireAreas of={wrapper} />
         </ReactFlow>
       </ConnectingContext>
       {connecting && <p className="hint" role="status">{hint}</p>}

@@ -21,7 +21,7 @@ export const Wire = memo(function Wire(props: EdgeProps<WireEdgeType>) {
   const classes = ['wire', isTroubled && 'is-troubled', data?.isNear && 'is-near', selected && 'is-selected', hz === 0 && 'is-quiet'];
   return (
     <g className={classes.filter(Boolean).join(' ')} data-speed={speed(hz)}>
-      <BaseEdge id={id} path={path} interactionWidth={14} />
+      <BaseEdge id={id} path={path} interactionWidth={24} />
       {hasLabel && data && <WireLabel wire={data.wire} hz={hz} x={x} y={y} room={room} />}
       {selected && bend && canChange && data && <BendHandles id={id} bends={data.bends ?? []} ends={[[props.sourceX, props.sourceY], [props.targetX, props.targetY]]} />}
     </g>
@@ -34,7 +34,10 @@ function course({ data, sourceX, sourceY, targetX, targetY, sourcePosition, targ
     return [roundedPath(points), ...labelPlace(points)];
   }
   if (data?.path && data.path.length > 1) return [roundedPath(data.path), ...labelPlace(data.path)];
-  const [path, x, y] = getSmoothStepPath({ sourceX, sourceY, targetX, targetY, sourcePosition, targetPosition, borderRadius: 6 });
+  const { between, atPort } = data?.lane ?? { between: 0, atPort: 0 };
+  const [path, x, y] = getSmoothStepPath({
+    sourceX, sourceY: sourceY + atPort, targetX, targetY: targetY + atPort, sourcePosition, targetPosition, borderRadius: 6, centerX: (sourceX + targetX) / 2 + between,
+  });
   return [path, x, y, Math.abs(targetX - sourceX)];
 }
 

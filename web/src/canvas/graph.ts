@@ -3,7 +3,7 @@ import { Position, type Edge, type Node, type NodeHandle } from '@xyflow/react';
 import { endText } from '../model/does';
 import { placedPorts } from '../model/ports';
 import type { System } from '../model/system';
-import { LOOKS, type Box, type Component, type Connector, type Layout, type Look, type Manager, type Point, type Port, type PortEnd, type Process, type Side } from '../model/types';
+import { LOOKS, portPath, type Box, type Component, type Connector, type Layout, type Look, type Manager, type Point, type Port, type PortEnd, type Process, type Side } from '../model/types';
 
 const PAD = '24px';
 /** The map and these buttons lie below what is fitted, not on it. */
@@ -19,7 +19,10 @@ export interface Frame {
   state: string; isTroubled: boolean; why: string; counts: Count[];
 }
 export type FrameNodeType = Node<{ frame: Frame; box: Box; composite: Component | null }, 'frame'>;
-export type WireEdgeType = Edge<{ wire: Connector; path: Point[] | null; bends: Point[] | null; isNear: boolean }, 'wire'>;
+export type WireEdgeType = Edge<{ wire: Connector; path: Point[] | null; bends: Point[] | null; lane: Lane; isNear: boolean }, 'wire'>;
+
+/** How far a wire is led beside those that would lie on it: where it turns between its boxes, and at its ports [px]. */
+export interface Lane { between: number; atPort: number }
 export type GraphNode = ComponentNodeType | FrameNodeType;
 
 export const POSITIONS: Readonly<Record<Side, Position>> = { left: Position.Left, right: Position.Right, top: Position.Top, bottom: Position.Bottom };
@@ -112,12 +115,7 @@ export function buildNodes({ system, boxes, selection }: Scene, label: Label, ke
 
 function connectedPorts(wires: Iterable<Connector>): Map<string, string[]> {
   const found = new Map<string, string[]>();
-  for (const wire of wires)
-    for (const end of [wire.source, wire.target]) {
-      const ports = found.get(end.component);
-      if (ports) ports.push(end.port);
-      else found.set(end.component, [end.port]);
-    }
+  for (const wire of wires) for (const end of [wire.source, wire.target]) grouped(found, end.component, end.port);
   return found;
 }
 
@@ -178,6 +176,7 @@ export function buildEdges(
   label: (source: string, target: string) => string, keep: ReturnType<typeof keeper<WireEdgeType>>,
 ): WireEdgeType[] {
   const edges: WireEdgeType[] = [];
+  const lanes = lanesOf(system.connectors.values());
   for (const wire of system.connectors.values()) {
     const source = shownAs(wire.source.component, system, boxes);
     const target = shownAs(wire.target.component, system, boxes);
@@ -188,14 +187,38 @@ export function buildEdges(
     const isSelected = selection.has(wire.id);
     const isNear = selection.has(source) || selection.has(target);
     const ends = [handleOf(wire.source, source, 'source', system), handleOf(wire.target, target, 'target', system)] as const;
+    const lane = lanes.get(wire.id) ?? { between: 0, atPort: 0 };
     const make = (): WireEdgeType => ({
       id: wire.id, type: 'wire', source, target, sourceHandle: ends[0], targetHandle: ends[1],
-      data: { wire, path, bends, isNear }, selected: isSelected, zIndex: isSelected ? 20 : 5,
+      data: { wire, path, bends, lane, isNear }, selected: isSelected, zIndex: isSelected ? 20 : 5,
       ariaLabel: label(endText(wire.source), endText(wire.target)),
     });
-    edges.push(keep(wire.id, [wire, source, target, ends[0], ends[1], path, JSON.stringify(bends), isSelected, isNear, label], make));
+    edges.push(keep(wire.id, [wire, source, target, ends[0], ends[1], path, JSON.stringify(bends), lane.between, lane.atPort, isSelected, isNear, label], make));
   }
   return edges;
+}
+
+const BETWEEN = 10;
+/** As the server draws them: see `rtkit/drawing/parallel.py`. */
+const [AT_PORT, PORT] = [4, 8];
+
+function lanesOf(wires: Iterable<Connector>): Map<string, Lane> {
+  const [boxes, ports] = [new Map<string, string[]>(), new Map<string, string[]>()];
+  for (const { id, source, target } of wires) {
+    grouped(boxes, `${source.component}\n${target.component}`, id);
+    grouped(ports, `${portPath(source)}\n${portPath(target)}`, id);
+  }
+  const lanes = new Map<string, Lane>();
+  for (const ids of boxes.values()) ids.forEach((id, place) => lanes.set(id, { between: (place - (ids.length - 1) / 2) * BETWEEN, atPort: 0 }));
+  for (const ids of ports.values())
+    ids.forEach((id, place) => lanes.set(id, { between: 0, ...lanes.get(id), atPort: Math.round((place - (ids.length - 1) / 2) * Math.min(AT_PORT, PORT / Math.max(1, ids.length - 1))) }));
+  return lanes;
+}
+
+function grouped(groups: Map<string, string[]>, key: string, id: string): void {
+  const group = groups.get(key);
+  if (group) group.push(id);
+  else groups.set(key, [id]);
 }
 
 /** A folded box takes the wires of all that it holds at one place on each side. */

@@ -11,7 +11,7 @@ export const WayEdge = memo(function WayEdge({ id, data, selected }: EdgeProps<W
   const [x, y] = end;
   return (
     <g className={['way', data.isLast && 'is-last', selected && 'is-selected'].filter(Boolean).join(' ')}>
-      <BaseEdge id={id} path={roundedPath(data.path)} interactionWidth={14} />
+      <BaseEdge id={id} path={roundedPath(data.path)} interactionWidth={24} />
       <path className="head" d={`M${x - 9},${y - 4.5}L${x},${y}L${x - 9},${y + 4.5}z`} />
     </g>
   );
