@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from rtkit.drawing.parallel import apart
 from rtkit.drawing.scene import Box, Layout, Point, Scene, Size, Wire, WireEnd
 from rtkit.drawing.wrapping import WIDEST, wrapped
 
@@ -33,7 +32,7 @@ def laid_out(scene: Scene, widest: int = WIDEST) -> Layout:
     placed = list(zip(parts, corners, strict=True))
     width = max((x + part.size.width for part, (x, _) in placed), default=0)
     height = max((y + part.size.height for part, (_, y) in placed), default=0)
-    return Layout(Size(width, height), tuple(places), apart(scene.wires, paths), tuple(joints))
+    return Layout(Size(width, height), tuple(places), tuple(paths), tuple(joints))
 
 
 class _Island(NamedTuple):

@@ -3,30 +3,33 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 
+from rtkit.drawing.columns import simplified
 from rtkit.drawing.scene import Point, Wire
 
-Path = tuple[Point, ...]
 _APART = 4
 _WIDTH = 8
-"""Of all wires of one port: about that of the port."""
+"""Of all wires of one port: less than that of the port, and than from one wire to the next."""
 
 
-def apart(wires: Sequence[Wire], paths: Sequence[Path]) -> tuple[Path, ...]:
-    """Return the paths of wires, those of wires with the same ends moved away from each other."""
+def apart(
+    wires: Iterable[Wire], paths: Mapping[str, Sequence[Point]]
+) -> dict[str, Sequence[Point]]:
+    """Return the paths of wires by their tips, those with the same ends led beside each other."""
     same = defaultdict(list)
-    for number, wire in enumerate(wires):
-        same[wire.source, wire.target].append(number)
-    found = list(paths)
-    for numbers in same.values():
-        gap = min(_APART, _WIDTH / max(1, len(numbers) - 1))
-        for place, number in enumerate(numbers):
-            away = round((place - (len(numbers) - 1) / 2) * gap)
+    for wire in wires:
+        if wire.tip in paths:
+            same[wire.source, wire.target].append(wire.tip)
+    found = dict(paths)
+    for tips in same.values():
+        gap = min(_APART, _WIDTH / max(1, len(tips) - 1))
+        for place, tip in enumerate(tips):
+            away = round((place - (len(tips) - 1) / 2) * gap)
             if away:
-                found[number] = tuple(_beside(paths[number], away))
-    return tuple(found)
+                found[tip] = _beside(simplified(paths[tip]), away)
+    return found
 
 
 def _beside(path: Sequence[Point], away: int) -> list[Point]:

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rtkit.drawing.layout import laid_out
+from rtkit.drawing.parallel import apart
 from rtkit.drawing.scene import (
     DATA,
     IN,
@@ -116,12 +117,8 @@ def test_boxes_do_not_overlap(drawn: tuple[Scene, Layout]) -> None:
 def test_wires_lead_from_port_to_port_at_right_angles(drawn: tuple[Scene, Layout]) -> None:
     scene, layout = drawn
     for wire, path in zip(scene.wires, layout.paths, strict=True):
-        same = [each for each in scene.wires if each[:2] == wire[:2]]
-        for (x, y), end in ((path[0], wire.source), (path[-1], wire.target)):
-            port = place_of(scene, layout, end)
-            assert x == port[0]
-            # Wires with the same ends run side by side, within the ports.
-            assert abs(y - port[1]) <= (4 if len(same) > 1 else 0)
+        assert path[0] == place_of(scene, layout, wire.source)
+        assert path[-1] == place_of(scene, layout, wire.target)
         for (x, y), (u, v) in pieces(path):
             assert (x == u) != (y == v)
             assert 0 <= min(x, u) <= max(x, u) <= layout.size.width
@@ -155,6 +152,22 @@ def test_wires_without_a_common_port_do_not_lie_on_one_another(drawn: tuple[Scen
                     assert max(b, d) <= min(f, h) or max(f, h) <= min(b, d), (first, second)
                 if b == d == f == h:
                     assert max(a, c) <= min(e, g) or max(e, g) <= min(a, c), (first, second)
+
+
+@settings(max_examples=100, deadline=None)
+@given(laid_outs(), st.integers(2, 5))
+def test_wires_with_the_same_ends_run_side_by_side(drawn: tuple[Scene, Layout], count: int) -> None:
+    scene, layout = drawn
+    for number, (wire, path) in enumerate(zip(scene.wires, layout.paths, strict=True)):
+        tips = [f"{number} {each}" for each in range(count)]
+        found = apart([wire._replace(tip=tip) for tip in tips], dict.fromkeys(tips, path))
+        assert len({tuple(each) for each in found.values()}) == count
+        for each in found.values():
+            assert len(each) == len(path)
+            for (x, y), (u, v) in zip(each, path, strict=True):
+                assert max(abs(x - u), abs(y - v)) <= 4
+            for (x, y), (u, v) in pieces(tuple(each)):
+                assert (x == u) != (y == v)
 
 
 @settings(max_examples=50, deadline=None)

@@ -133,6 +133,10 @@ class Browser:
         given["modifiers"] = 2 if is_control else 0
         self._do("Input.dispatchMouseEvent", type=kind, x=x, y=y, **given)
 
+    def hover(self, x: float, y: float) -> None:
+        """Move the mouse to a place with no button pressed."""
+        self._do("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y, buttons=0)
+
     def wheel(self, x: float, y: float, delta: float) -> None:
         """Turn the wheel at a place: down by a positive `delta` [px]."""
         self._do("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=delta)

@@ -13,6 +13,7 @@ from rtkit.api.live_records import Record, SystemRecords
 from rtkit.api.live_scene import LiveDrawing, drawing_of
 from rtkit.drawing.frames import framed
 from rtkit.drawing.layout import laid_out
+from rtkit.drawing.parallel import apart
 from rtkit.drawing.scene import (
     LEFT,
     Box,
@@ -55,7 +56,7 @@ def placed(drawing: LiveDrawing, folded: Collection[str] = ()) -> Record:
         "width": layout.size.width,
         "height": layout.size.height,
         "boxes": found.boxes,
-        "paths": found.paths,
+        "paths": apart(drawing.scene.wires, found.paths),
     }
 
 

@@ -20,7 +20,6 @@ import { ConnectingContext, type Connecting } from './ConnectingContext';
 import { FrameNode } from './FrameNode';
 import { FIT, buildEdges, buildNodes, keeper, placedBoxes, type GraphNode, type WireEdgeType } from './graph';
 import { Wire } from './Wire';
-import { WireAreas } from './WireAreas';
 
 const NODE_TYPES = { component: ComponentNode, frame: FrameNode };
 const EDGE_TYPES = { wire: Wire };
@@ -69,11 +68,12 @@ function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
     else editor.select(selection.has(id) ? view.selection.filter((one) => one !== id) : [...view.selection, id]);
   };
 
+  const nearestWire = (at: { clientX: number; clientY: number }) => wireAt(at, flow.screenToFlowPosition({ x: at.clientX, y: at.clientY }, { snapToGrid: false }));
+
   /** The areas of wires overlap: the nearest one is shown, and picked. */
   const aim = (wire: Element | null) => {
-    if (wire === aimed.current) return;
-    aimed.current?.classList.remove('is-aimed');
-    wire?.classList.add('is-aimed');
+    if (wire !== aimed.current) aimed.current?.removeAttribute('data-aimed');
+    wire?.setAttribute('data-aimed', '');
     aimed.current = wire;
   };
 
@@ -138,8 +138,8 @@ function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
           onNodesChange={onNodesChange}
           onNodeClick={(event, node) => !(event.target instanceof Element && event.target.closest('button')) && pick(node.id, event.shiftKey || event.ctrlKey || event.metaKey)}
           onNodeDoubleClick={(_, node) => (node.type === 'frame' ? editor.toggleFold(node.id) : onOpen())}
-          onEdgeClick={(event, edge) => pick(wireAt(event.clientX, event.clientY)?.getAttribute('data-id') ?? edge.id, event.shiftKey || event.ctrlKey || event.metaKey)}
-          onEdgeMouseMove={(event) => aim(wireAt(event.clientX, event.clientY))} onEdgeMouseLeave={() => aim(null)}
+          onEdgeClick={(event, edge) => pick(nearestWire(event)?.getAttribute('data-id') ?? edge.id, event.shiftKey || event.ctrlKey || event.metaKey)}
+          onEdgeMouseMove={(event) => event.buttons || aim(nearestWire(event))} onEdgeMouseLeave={() => aim(null)}
           onPaneClick={() => editor.select([])}
           onConnectStart={(_, start) => begin(start)} onConnectEnd={end} onConnect={connect} isValidConnection={allows}
           nodesConnectable={editor.canChange} connectionMode={ConnectionMode.Loose} connectionLineType={ConnectionLineType.SmoothStep}
@@ -151,7 +151,6 @@ function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
           <Background variant={BackgroundVariant.Dots} gap={20} size={1} />
           <MiniMap<GraphNode> pannable zoomable ariaLabel={texts.canvas.minimap} nodeClassName={miniClass} nodeBorderRadius={6} style={MINIMAP_SIZE} />
           <CanvasTools />
-          <WireAreas of={wrapper} />
         </ReactFlow>
       </ConnectingContext>
       {connecting && <p className="hint" role="status">{hint}</p>}

@@ -9,6 +9,13 @@ import { WireLabel } from './WireLabel';
 import { labelPlace, roundedPath } from './path';
 
 const LABEL_ZOOM = 0.5;
+/** What a finger needs to hit a wire [px of the window]. */
+const TARGET = 24;
+/** Farther away wires are not picked by hand. */
+const LEAST_ZOOM = 0.2;
+
+/** How wide the area of a wire is in the diagram, in steps: a new one costs a look at all wires. */
+const areaOf = ({ transform }: { transform: [number, number, number] }): number => TARGET / 2 ** (Math.floor(2 * Math.log2(Math.max(transform[2], LEAST_ZOOM))) / 2);
 
 /** A connector: along the path of the layout, else right-angled between its ends; thicker the more values it carries. */
 export const Wire = memo(function Wire(props: EdgeProps<WireEdgeType>) {
@@ -16,12 +23,13 @@ export const Wire = memo(function Wire(props: EdgeProps<WireEdgeType>) {
   const { bend, canChange } = useEditor();
   const hz = useContext(RatesContext).connectors[id]?.hz ?? null;
   const hasLabel = useStore((state) => state.transform[2] >= LABEL_ZOOM);
+  const area = useStore(areaOf);
   const [path, x, y, room] = course(props);
   const isTroubled = Boolean(data?.wire.trouble);
   const classes = ['wire', isTroubled && 'is-troubled', data?.isNear && 'is-near', selected && 'is-selected', hz === 0 && 'is-quiet'];
   return (
     <g className={classes.filter(Boolean).join(' ')} data-speed={speed(hz)}>
-      <BaseEdge id={id} path={path} interactionWidth={24} />
+      <BaseEdge id={id} path={path} interactionWidth={area} />
       {hasLabel && data && <WireLabel wire={data.wire} hz={hz} x={x} y={y} room={room} />}
       {selected && bend && canChange && data && <BendHandles id={id} bends={data.bends ?? []} ends={[[props.sourceX, props.sourceY], [props.targetX, props.targetY]]} />}
     </g>
