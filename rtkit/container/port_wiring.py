@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary, ref
 
 from rtkit.component.buffer import Sink, Source, make_ring, select
@@ -38,7 +38,6 @@ from rtkit.link.ends import (
     Payload,
     Streams,
 )
-from rtkit.link.routed_streams import StreamsByRouter
 from rtkit.link.threads import start_thread
 from rtkit.logs.late import late
 from rtkit.rtc.far_ends import host_of, own_end, peer_of
@@ -46,6 +45,9 @@ from rtkit.rtc.profiles import ConnectorProfile
 
 MATCH_S = 5.0
 """How long a sender looks for its receiver [s]."""
+
+if TYPE_CHECKING:
+    from rtkit.link.routed_streams import StreamsByRouter
 
 _SEVERAL = 2
 _log = late(__name__)
@@ -63,7 +65,8 @@ class PortWiring:
     def __init__(self, host: str, streams: Streams, manager: str = "") -> None:
         self._host = host
         self._near = streams
-        self._far = StreamsByRouter(manager)
+        self._manager = manager
+        self._far: StreamsByRouter | None = None
         streams.report = lambda text: _log().warning("%s", text)
         self._ends: dict[str, list[ConnectorEnd]] = {}
         self._encoders: WeakKeyDictionary[OutPort[Any], dict[bool, EncodedOnce]] = (
@@ -231,7 +234,8 @@ class PortWiring:
         for connector_id in list(self._ends):
             self.cut(connector_id)
         self._near.close()
-        self._far.close()
+        if self._far is not None:
+            self._far.close()
 
     def _attach(
         self,
@@ -258,7 +262,14 @@ class PortWiring:
 
     def _streams(self, connector: ConnectorProfile) -> Streams:
         host = host_of(peer_of(connector))
-        return self._far.to(host) if host else self._near
+        if not host:
+            return self._near
+        if self._far is None:
+            # The library of that way is large: most processes have no connector between hosts.
+            from rtkit.link.routed_streams import StreamsByRouter
+
+            self._far = StreamsByRouter(self._manager)
+        return self._far.to(host)
 
     def _key(self, connector: ConnectorProfile, listening: int) -> str:
         """Return the key of a connector's data; its end `listening` is the one waited at."""

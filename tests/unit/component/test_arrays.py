@@ -9,13 +9,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rtkit.component import Time
+from rtkit.component import InPort, OutPort, Time
+from rtkit.component.array_twins import with_arrays
 from rtkit.component.carried import carried
 from rtkit.component.carried import test_of as passes
 from rtkit.component.codec import codec_for, encoder_for, splitter_for
 from rtkit.component.definition import idl_of
 from rtkit.component.literal import zero_value
+from rtkit.component.sensors import CameraImage, RangeData
+from rtkit.component.typenames import type_name
+from rtkit.container.port_wiring import PortWiring
 from rtkit.errors import Malformed
+from rtkit.link.local.streams import LocalStreams
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,3 +126,24 @@ def test_an_array_of_nothing_in_particular_is_no_type() -> None:
 
     with pytest.raises(Malformed, match="what numbers"):
         codec_for(Vague)
+
+
+def test_a_standard_type_has_a_twin_with_arrays() -> None:
+    twin = with_arrays(CameraImage)
+    assert type_name(twin) == type_name(CameraImage)
+    image = CameraImage(Time(1, 2), 2, 2, 8, "gray", 0.5, bytes(range(4)))
+    read = codec_for(twin).decode(codec_for(CameraImage).encode(image))
+    assert read.pixels.tolist() == [0, 1, 2, 3]
+    assert (read.tm.sec, read.width, read.format, twin().pixels.dtype) == (1, 2, "gray", np.uint8)
+    assert codec_for(CameraImage).decode(codec_for(twin).encode(read)) == image
+    scan = with_arrays(RangeData)
+    assert scan().ranges.dtype == np.float64
+    assert with_arrays(CameraImage) is twin
+
+
+def test_ports_of_both_are_connected_in_one_process() -> None:
+    out, into = OutPort(CameraImage, "out"), InPort(with_arrays(CameraImage), "in")
+    wire = ConnectorProfile("c", "c", (PortRef("A", "out"), PortRef("B", "in")), {})
+    PortWiring("", LocalStreams("unused")).join(wire, out, into)
+    out.write(CameraImage(pixels=b"\1\2"))
+    assert into.read().pixels.tolist() == [1, 2]
