@@ -36,13 +36,14 @@ def profiles_of(
 
 def _is(path: str, may_be: Callable[[bytes], bool]) -> bool:
     try:
-        with open(path, "rb", opener=_no_link) as stream:
+        with open(path, "rb", opener=no_link) as stream:
             return may_be(stream.read(_HEAD))
     except OSError:
         return False  # it went, or may not be read: then it cannot be opened either
 
 
-def _no_link(path: str, flags: int) -> int:
+def no_link(path: str, flags: int) -> int:
+    """Open a file, and no link, as `open` wants its `opener`."""
     return os.open(path, flags | _FLAGS | os.O_NONBLOCK)
 
 

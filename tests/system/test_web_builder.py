@@ -102,6 +102,30 @@ def test_files_outside_of_what_is_granted_are_left_alone(
         assert without_folders.ask("POST", "/api/builder/write", body).status == 409
 
 
+def test_a_second_component_is_added_and_backups_stay_in_their_folder(
+    client: WebClient, root: Path, tmp_path: Path
+) -> None:
+    folder = f"{root}/Gain"
+    client.post("/api/builder/write", {"form": form_of(client, "Gain", "out"), "folder": folder})
+    body = {"form": form_of(client, "Sum", "out"), "folder": folder}
+    refused = client.post("/api/builder/preview", body)
+    assert "--add puts it beside that one" in refused["findings"][-1]["text"]
+    body["adds"] = True
+    assert "Sum.py" in {each["name"] for each in client.post("/api/builder/preview", body)["files"]}
+    done = client.post("/api/builder/write", body)
+    assert (done["ok"], done["command"]) == (True, f"rtbuild --output={folder} --add -")
+    assert {each.name for each in Path(folder).glob("*.py")} >= {"Gain.py", "Sum.py"}
+    outside = tmp_path / "a.py.bak"
+    outside.write_text("secret")
+    Path(folder, "b.py.bak").symlink_to(outside)
+    assert client.post("/api/builder/backups", {"folder": folder})["backups"] == []
+    for path in (str(outside), f"{folder}/b.py.bak", f"{folder}/none.bak"):
+        put = {"folder": folder, "backup": path}
+        assert client.ask("POST", "/api/builder/put_back", put).status == 404
+    assert client.post("/api/builder/clear", {"folder": folder}) == {"removed": 0}
+    assert outside.read_text() == "secret"
+
+
 def field(page: browser.Browser, label: str, number: int = 0) -> str:
     """Return a selector of the field with that label."""
     fields = "[...document.querySelectorAll('.builder-form .field')]"
@@ -145,6 +169,8 @@ def test_a_component_is_built_tried_and_seen_on_a_wire(
         assert "out = rt.OutPort(rt.TimedDouble)" in code.read_text(encoding="utf-8")
         edited_on_disk(code)
         parameter_is_added(page, code)
+        profile_is_changed_on_disk(page, code.with_name("RTC.xml"))
+        backups_are_put_back_and_cleared(page, code)
         tried(page, manager)
         after_a_reload(page)
         if AXE.exists():
@@ -205,6 +231,63 @@ def parameter_is_added(page: browser.Browser, code: Path) -> None:
     for part in ("# mine\n", "data=7.0", "factor = rt.Parameter(0.0)"):
         assert part in text
     assert "factor = " not in Path(f"{code}.bak").read_text(encoding="utf-8")
+
+
+def profile_is_changed_on_disk(page: browser.Browser, profile: Path) -> None:
+    """Somebody else changes the profile while the form has changes: both are brought together."""
+    page.press("Add a parameter")
+    page.type(field(page, "Name", 1), "offset")
+    page.wait_for(shows(".code", "offset = rt.Parameter"))
+    text = profile.read_text(encoding="utf-8")
+    assert 'rtc:version="1.0.0"' in text
+    profile.write_text(text.replace('rtc:version="1.0.0"', 'rtc:version="2.5.0"'), encoding="utf-8")
+    page.evaluate("dispatchEvent(new Event('focus'))")
+    page.wait_for(is_there(".outdated"))
+    page.press("Generate …")
+    page.wait_for(shows("dialog.generate .group", "RTC.xml ?"))
+    page.wait_for("[...document.querySelectorAll('dialog footer button')].at(-1).disabled")
+    page.key("Escape")
+    page.wait_for(f"!({is_there('dialog[open]')})")
+    page.press("Compare")
+    page.wait_for(shows(".outdated .comparison", "2.5.0"))
+    page.press("Bring both together")
+    page.wait_for(f"!({is_there('.outdated')})")
+    page.press("Generate …")
+    page.wait_for(shows("dialog.generate[open]", "rtbuild --output="))
+    # What the code was generated from is not known any more: it is kept or replaced as a whole.
+    labels = "[...document.querySelectorAll('dialog .choices label')]"
+    page.evaluate(f"{labels}.find((e) => e.textContent.startsWith('Take the generated')).click()")
+    page.press("Generate")
+    page.wait_for(f"!({is_there('dialog[open]')})")
+    page.wait_for(f"!{button(page, 'Try it …')}.disabled")
+    text = profile.read_text(encoding="utf-8")
+    assert 'rtc:version="2.5.0"' in text
+    assert '"offset"' in text
+    assert not page.evaluate(is_there(".outdated"))
+
+
+def backups_are_put_back_and_cleared(page: browser.Browser, code: Path) -> None:
+    now = code.read_text(encoding="utf-8")
+    page.press("Backups …")
+    row = "dialog.generate .links li:first-child"
+    page.wait_for(shows(row, "Gain.py.bak2"))
+    page.click(f"{row} .link")
+    page.wait_for(is_there("dialog.generate .comparison"))
+    for sign in (".is-new", ".is-gone"):
+        page.evaluate(f"document.querySelector('{row} button:last-child').click()")
+        # What was there is the latest backup now: it is compared with what took its place.
+        page.wait_for(
+            f"[...document.querySelectorAll('dialog.generate {sign}')]"
+            ".some((each) => each.textContent.includes('offset'))"
+        )
+    assert code.read_text(encoding="utf-8") == now
+    count = len(list(code.parent.rglob("*.bak*")))
+    for _ in range(2):  # the second time is the answer to a question
+        page.press(f"Remove all {count} backups")
+    page.wait_for(shows("dialog.generate", "There are no backups"))
+    assert [each.name for each in code.parent.rglob("*.bak*")] == []
+    page.press("Close")
+    page.wait_for(f"!({is_there('dialog[open]')})")
 
 
 def tried(page: browser.Browser, manager: Shell) -> None:

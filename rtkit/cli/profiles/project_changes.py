@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from rtkit.builder.component_files import PYPROJECT, File
@@ -15,6 +15,7 @@ from rtkit.builder.three_way import merged_file
 from rtkit.cli.profiles.generated_project import IdlFiles, Project, present_profiles, read
 from rtkit.errors import NotFound, Refused
 from rtkit.idl.read import read_idl
+from rtkit.link import backups
 from rtkit.profile.read import read_bytes
 
 KEEP, REPLACE, MERGE = "keep", "replace", "merge"
@@ -161,8 +162,13 @@ def _merged(path: str, file: File) -> Merged:
     return merge(old, file.text, has_regions=file.has_regions)
 
 
-def write(changes: Sequence[FileChange], *, is_forced: bool) -> None:
-    """Write all changed files, or none where one cannot be written."""
+def write(
+    changes: Sequence[FileChange], *, is_forced: bool, most_backups: int = backups.MOST
+) -> None:
+    """Write all changed files, or none where one cannot be written.
+
+    What was changed by users is kept as NAME.bak, NAME.bak2 …, `most_backups` of each file.
+    """
     wanted = [
         each
         for each in changes
@@ -175,7 +181,7 @@ def write(changes: Sequence[FileChange], *, is_forced: bool) -> None:
             staged.append((_stage(each.path, each.text), each.path))
         for each in wanted:
             if each.is_changed:
-                _keep(each.path)
+                backups.keep(each.path, most_backups)
         while staged:
             os.replace(*staged[0])
             staged.pop(0)
@@ -195,23 +201,6 @@ def _stage(path: str, text: str) -> str:
     if os.path.exists(path):
         os.chmod(temporary, os.stat(path).st_mode & 0o777)
     return temporary
-
-
-def _keep(path: str) -> None:
-    for name in _backups(path):
-        try:
-            os.link(path, name)
-        except FileExistsError:
-            continue
-        return
-
-
-def _backups(path: str) -> Iterator[str]:
-    yield f"{path}.bak"
-    number = 1
-    while True:
-        number += 1
-        yield f"{path}.bak{number}"
 
 
 def renew_types(idl: str) -> list[str]:

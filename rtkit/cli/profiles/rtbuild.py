@@ -53,6 +53,12 @@ def main(
     joined: tuple[str, ...] = several(
         "--merge FILE", "Merge what you changed in this one with what is new; keep NAME.bak."
     ),
+    most_backups: int = option(
+        "--backups COUNT",
+        "So many NAME.bak of a file are kept, the latest; 0 for none (default 10).",
+        click.IntRange(min=0),
+        default=10,
+    ),
     is_diff: bool = flag("--diff", "Show what would change in each file, write nothing."),
     is_json: bool = json_flag("A JSON object for each file."),
     files: tuple[str, ...] = arguments("PROFILE...|IDL"),
@@ -117,7 +123,7 @@ def main(
             " --keep, --replace and --merge FILE decide for one"
         )
     if not dry_run:
-        project_changes.write(changes, is_forced=force)
+        project_changes.write(changes, is_forced=force, most_backups=most_backups)
     _print(app, changes, is_json=is_json, is_forced=force)
 
 

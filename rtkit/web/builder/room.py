@@ -20,7 +20,9 @@ from starlette.routing import Route
 from rtkit.api.live_records import Record
 from rtkit.builder.identifiers import class_name, module_name, type_name
 from rtkit.builder.standard_types import KNOWN
-from rtkit.errors import Malformed, Refused
+from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.link import backups
+from rtkit.link.backups import BackupCopy
 from rtkit.profile.examine import examine
 from rtkit.profile.forms import FORMS, may_be_component
 from rtkit.profile.read import read_bytes
@@ -30,7 +32,7 @@ from rtkit.profile_tools.new_component import ComponentHeading, new_component
 from rtkit.web.audit.audit_log import Author
 from rtkit.web.builder.component_form import ERROR, WARNING, FieldFinding, Form, form_of, read_form
 from rtkit.web.builder.form_checks import check_form
-from rtkit.web.folders import granted, granted_folder, profiles_of
+from rtkit.web.folders import granted, granted_folder, no_link, profiles_of
 from rtkit.web.jobs.running import outcome_of, shown
 from rtkit.web.live.steps import CommandStep
 from rtkit.web.replies import body_of
@@ -41,6 +43,7 @@ _CHOICES = ("keep", "replace", "merge")
 _NOWHERE = os.devnull + "/"
 """Below it nothing can be: what is generated for no folder is compared with nothing."""
 _NOTE = "note: "
+_MOST_SHOWN = 1 << 20
 _AT_ONCE = 2
 
 
@@ -54,6 +57,9 @@ def routes(site: WebSite) -> list[Route]:
         Route("/api/builder/preview", room.preview, methods=["POST"]),
         Route("/api/builder/write", room.write, methods=["POST"]),
         Route("/api/builder/export", room.export, methods=["POST"]),
+        Route("/api/builder/backups", room.backups, methods=["POST"]),
+        Route("/api/builder/put_back", room.put_back, methods=["POST"]),
+        Route("/api/builder/clear", room.clear, methods=["POST"]),
     ]
 
 
@@ -100,7 +106,7 @@ class _BuildingRoom:
         if any(each.level == ERROR for each in findings):
             return JSONResponse(_plain(answer))
         try:
-            files, notes = await self._generated(xml, folder)
+            files, notes = await self._generated(xml, folder, adds=body.get("adds") is True)
         except Refused as error:
             answer["findings"] = [*findings, FieldFinding("", ERROR, str(error))]
             return JSONResponse(_plain(answer))
@@ -111,9 +117,7 @@ class _BuildingRoom:
 
     async def write(self, request: Request) -> Response:
         body = await body_of(request)
-        form, folder = _form(body), self._folder(body)
-        if not folder:
-            raise Refused("no folder was granted to this page (--root)")
+        form, folder = _form(body), self._granted_folder(body)
         line = ("rtbuild", f"--output={folder}", *_options(body), "-")
         text = f"Generate the files of {folder}"
         if body.get("dry_run"):
@@ -123,7 +127,9 @@ class _BuildingRoom:
         if profile is None or any(each.level == ERROR for each in findings):
             raise Refused(next(each.text for each in findings if each.level == ERROR))
         xml = write_profile(profile)
-        await self._generated(xml, folder)  # looks that no file of it is a link
+        await self._generated(
+            xml, folder, adds=body.get("adds") is True
+        )  # looks that no file of it is a link
         outcome = await outcome_of(line, xml)
         is_done = outcome.status == 0
         error = "" if is_done else outcome.error or "it failed"
@@ -142,6 +148,39 @@ class _BuildingRoom:
             raise Refused("; ".join(each.text for each in findings if each.level == ERROR))
         return JSONResponse({"text": write_profile(profile, kind).decode()})
 
+    async def backups(self, request: Request) -> Response:
+        folder = self._granted_folder(await body_of(request))
+        found = await asyncio.to_thread(_copies, folder)
+        return JSONResponse({"backups": [_backup_record(each, folder) for each in found]})
+
+    async def put_back(self, request: Request) -> Response:
+        self._site.check_change()
+        body = await body_of(request)
+        folder, path = self._granted_folder(body), _text(body, "backup")
+        copy = next((e for e in await asyncio.to_thread(_copies, folder) if e.path == path), None)
+        if copy is None:
+            raise NotFound(f"No such backup: {path}")
+        granted(copy.path, self._site.folders, endings=("",))
+        granted(copy.file, self._site.folders, is_new=True, endings=("",))
+        await asyncio.to_thread(backups.put_back, copy)
+        self._site.audit.add(Author(request), f"Put {copy.path} back")
+        return JSONResponse({})
+
+    async def clear(self, request: Request) -> Response:
+        self._site.check_change()
+        folder = self._granted_folder(await body_of(request))
+        found = await asyncio.to_thread(_copies, folder)
+        for each in found:
+            os.remove(granted(each.path, self._site.folders, endings=("",)))
+        self._site.audit.add(Author(request), f"Remove {len(found)} backups of {folder}")
+        return JSONResponse({"removed": len(found)})
+
+    def _granted_folder(self, body: Record) -> str:
+        folder = self._folder(body)
+        if not folder:
+            raise Refused("no folder was granted to this page (--root)")
+        return folder
+
     def _folder(self, body: Record) -> str:
         """Return the folder for the files, empty where none was granted.
 
@@ -158,13 +197,16 @@ class _BuildingRoom:
         # What our own checks tell is said better there than by the schema.
         return profile, [*more, *(each for each in findings if each.place not in known)]
 
-    async def _generated(self, xml: bytes, folder: str) -> tuple[list[Record], list[str]]:
+    async def _generated(
+        self, xml: bytes, folder: str, *, adds: bool
+    ) -> tuple[list[Record], list[str]]:
         """Return what would become of each file, and notes.
 
         Raises:
             Refused: Nothing can be generated, or a file would be reached by a link.
         """
-        line = ("rtbuild", "--diff", "--json", f"--output={folder or _NOWHERE}", "-")
+        more = ("--add",) if adds and folder else ()
+        line = ("rtbuild", "--diff", "--json", *more, f"--output={folder or _NOWHERE}", "-")
         async with self._generating:
             outcome = await outcome_of(line, xml)
         if outcome.status:
@@ -179,6 +221,24 @@ class _BuildingRoom:
 def profile_name(profile: RtcProfile) -> str:
     """Return the name of the component type that a profile describes."""
     return profile.basic_info.name if profile.basic_info is not None else ""
+
+
+def _copies(folder: str) -> list[BackupCopy]:
+    """Return the copies in a folder, the latest of each file first."""
+    return sorted(backups.copies_in(folder), key=lambda each: (each.file, -each.number))
+
+
+def _backup_record(copy: BackupCopy, folder: str) -> Record:
+    time = datetime.fromtimestamp(os.stat(copy.path).st_mtime).astimezone()
+    with open(copy.path, encoding="utf-8", errors="replace", opener=no_link) as stream:
+        text = stream.read(_MOST_SHOWN)
+    return {
+        "path": copy.path,
+        "name": os.path.relpath(copy.path, folder),
+        "file": os.path.relpath(copy.file, folder),
+        "time": time.replace(microsecond=0).isoformat(),
+        "text": text,
+    }
 
 
 def _opened(profile: RtcProfile, notes: Sequence[str] = ()) -> Record:
@@ -219,7 +279,8 @@ def _options(body: Record) -> list[str]:
     choices = body.get("choices", {})
     if not isinstance(choices, dict) or any(each not in _CHOICES for each in choices.values()):
         raise Malformed(f"choices: {', '.join(_CHOICES)} for names of files are wanted")
-    return [f"--{choice}={name}" for name, choice in choices.items()]
+    adds = ["--add"] if body.get("adds") is True else []
+    return [*adds, *(f"--{choice}={name}" for name, choice in choices.items())]
 
 
 def _form(body: Record) -> Form:

@@ -4,12 +4,14 @@ import { Icon } from '../../parts/icons';
 import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
 import type { RoomProps } from '../../shell/rooms';
-import { download, exportedText, fateOf, offersOf, openFile, usePreview, type BuilderOffers, type Written } from './calls';
+import { BackupDialog } from './BackupDialog';
+import { download, exportedText, fateOf, offersOf, openFile, profileFile, usePreview, type BuilderOffers, type Choice, type Written } from './calls';
 import { begun, changeDraft, edited, presentDraft, redone, undone, useDraft, type Draft } from './draft';
 import { EditingContext, useBuilderTexts, type Editing } from './fields';
 import { findingsBelow, folderOf, rowsAt, textAt, type Finding, type Form } from './form';
 import { GenerateDialog } from './GenerateDialog';
 import { ActivityPage, BasicPage, ConfigurationPage, DataPortsPage, DocumentationPage, LanguagePage, MachinePage, ServicePortsPage } from './pages';
+import { OutdatedNote } from './OutdatedNote';
 import { PreviewPane } from './PreviewPane';
 import { SourcePage } from './SourcePage';
 import { StartPage } from './StartPage';
@@ -50,7 +52,7 @@ function Workshop({ draft, system, onFiles }: { draft: Draft; system: RoomProps[
   const [offers, setOffers] = useState(NO_OFFERS);
   const [page, setPage] = useState<Page>('basic');
   const [file, setFile] = useState('');
-  const [dialog, setDialog] = useState<'generate' | 'try' | null>(null);
+  const [dialog, setDialog] = useState<'generate' | 'try' | 'backups' | null>(null);
   const [written, setWritten] = useState<Written | null>(null);
   const [writes, setWrites] = useState(0);
   const [problem, setProblem] = useState('');
@@ -61,13 +63,25 @@ function Workshop({ draft, system, onFiles }: { draft: Draft; system: RoomProps[
   const name = textAt(draft.form, 'basicInfo.name');
   const [root] = offers.folders;
   const folder = draft.folder || (root === undefined ? '' : `${root}/${name}`);
-  const state = usePreview(api, draft.form, folder, writes + offers.folders.length);
+  const state = usePreview(api, draft.form, folder, draft.adds, writes + offers.folders.length);
   const { preview } = state;
   const findings = useMemo(() => preview?.findings ?? [], [preview]);
   const change = useCallback((form: Form, about = '') => changeDraft((before) => before && edited(before, form, about)), []);
   const editing = useMemo<Editing>(() => ({ form: draft.form, findings, types: offers.types, change }), [draft.form, findings, offers.types, change]);
   const files = preview?.files ?? [];
   const isCurrent = files.length > 0 && !state.isStale && files.every((one) => ['unchanged', 'kept'].includes(fateOf(one)));
+  const own = preview && state.folder === folder ? profileFile(preview.files, name) : undefined;
+  const onDisk = own?.before ?? null;
+  const isOutdated = onDisk !== null && draft.base !== null && draft.base !== onDisk;
+  useEffect(() => {
+    // What is there at the first look is what this draft is about.
+    if (draft.base === null && onDisk !== null) changeDraft((before) => before && { ...before, base: onDisk });
+  }, [draft.base, onDisk]);
+  useEffect(() => {
+    const look = () => setWrites((count) => count + 1);
+    addEventListener('focus', look);
+    return () => removeEventListener('focus', look);
+  }, []);
   const errors = findings.filter((one) => one.level === 'error').length;
 
   // The component appears by the stream; then the diagram shows it.
@@ -86,12 +100,15 @@ function Workshop({ draft, system, onFiles }: { draft: Draft; system: RoomProps[
     changeDraft((before) => before && (key === 'y' || event.shiftKey ? redone(before) : undone(before)));
   };
   const save = (kind: string) => exportedText(api, draft.form, kind).then((text) => download(text, `${name}.${kind}`), (error: unknown) => setProblem(sentence(error)));
-  const done = (result: Written) => {
+  const done = (result: Written, choices: Record<string, Choice>) => {
     setDialog(null);
     setWritten(result);
     setWrites((count) => count + 1);
-    changeDraft((before) => before && { ...before, folder, origin: `${folder}/RTC.xml`, isChanged: false });
-    show('builder', `${folder}/RTC.xml`);
+    const choice = own && choices[own.name];
+    const base = !own ? null : choice === 'keep' ? own.before : choice === 'merge' ? own.merged : own.after;
+    const origin = own?.path ?? `${folder}/RTC.xml`;
+    changeDraft((before) => before && { ...before, folder, origin, isChanged: false, base, baseForm: before.form });
+    show('builder', origin);
   };
 
   return (
@@ -105,13 +122,15 @@ function Workshop({ draft, system, onFiles }: { draft: Draft; system: RoomProps[
             <button type="button" className="icon-button" aria-label={texts.bar.undo} title={texts.bar.undo} disabled={!draft.past.length} onClick={() => changeDraft((before) => before && undone(before))}><Icon name="undo" /></button>
             <button type="button" className="icon-button" aria-label={texts.bar.redo} title={texts.bar.redo} disabled={!draft.future.length} onClick={() => changeDraft((before) => before && redone(before))}><Icon name="redo" /></button>
           </div>
-          {root !== undefined && <label className="folder">{texts.bar.folder} <input type="text" spellCheck={false} value={folder} onChange={(event) => changeDraft((before) => before && { ...before, folder: event.target.value })} /></label>}
+          {root !== undefined && <label className="folder">{texts.bar.folder} <input type="text" spellCheck={false} value={folder} onChange={(event) => changeDraft((before) => before && { ...before, folder: event.target.value, base: null })} /></label>}
+          {root !== undefined && <label className="check" title={texts.bar.addsHint}><input type="checkbox" checked={draft.adds} onChange={(event) => changeDraft((before) => before && { ...before, adds: event.target.checked, base: null })} />{texts.bar.adds}</label>}
           <span className="verdict" role="status">
             {state.isStale ? '…' : errors ? <span className="error">✕ {texts.bar.errors(errors)}</span> : findings.length ? <span className="warning">⚠ {texts.bar.warnings(findings.length)}</span> : <span className="good">✓ {texts.bar.good}</span>}
           </span>
           <div className="group" role="group" aria-label={texts.bar.export}>
             {['xml', 'yaml', 'json'].map((kind) => <button key={kind} type="button" title={`${texts.bar.export}: ${kind}`} disabled={errors > 0} onClick={() => void save(kind)}>{kind.toUpperCase()}</button>)}
           </div>
+          {folder && <button type="button" onClick={() => setDialog('backups')}>{texts.backups.open}</button>}
           <button type="button" disabled={!isCurrent || !canChange || !folder} onClick={() => setDialog('try')}>{texts.bar.tryIt}</button>
           <button type="button" className="primary" disabled={!files.length || state.isStale || !canChange || !folder} onClick={() => setDialog('generate')}>{texts.bar.generate}</button>
         </header>
@@ -121,6 +140,7 @@ function Workshop({ draft, system, onFiles }: { draft: Draft; system: RoomProps[
         <section className="builder-form" aria-label={texts.pages[page]}>
           <h3>{texts.pages[page]}</h3>
           {problem && <p className="error" role="alert">{problem}</p>}
+          {onDisk !== null && preview && <OutdatedNote draft={draft} onDisk={isOutdated ? onDisk : (draft.base ?? onDisk)} xml={preview.xml} />}
           {findings.filter((one) => one.place === '').map((one) => <p key={one.text} className={one.level === 'error' ? 'error' : 'note warning'}>{one.text}</p>)}
           {page === 'basic' && <BasicPage />}
           {page === 'activity' && <ActivityPage />}
@@ -140,7 +160,8 @@ function Workshop({ draft, system, onFiles }: { draft: Draft; system: RoomProps[
           {waited && !system.components.has(waited) && <p role="status">{texts.tryIt.waiting(waited)}</p>}
           <PreviewPane state={state} file={file} onFile={setFile} />
         </div>
-        {dialog === 'generate' && <GenerateDialog form={draft.form} folder={folder} files={files} onClose={() => setDialog(null)} onWritten={done} />}
+        {dialog === 'generate' && <GenerateDialog form={draft.form} folder={folder} adds={draft.adds} profile={own?.name ?? 'RTC.xml'} isOutdated={isOutdated} files={files} onClose={() => setDialog(null)} onWritten={done} />}
+        {dialog === 'backups' && <BackupDialog folder={folder} files={files} onClose={() => setDialog(null)} onChanged={() => setWrites((count) => count + 1)} />}
         {dialog === 'try' && preview?.module && <TryDialog system={system} module={preview.module} isCurrent={isCurrent} onClose={() => setDialog(null)} onMade={setWaited} />}
       </main>
     </EditingContext>

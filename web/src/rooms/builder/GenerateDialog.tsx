@@ -12,42 +12,42 @@ import { textAt, type Form } from './form';
 
 const CHOICES: readonly Choice[] = ['keep', 'merge', 'replace'];
 
-/** The profile is what is edited here: it takes the place of that in the folder. */
-const chosenByItself = (file: FilePreview): Choice | undefined =>
-  file.name === 'RTC.xml' && file.fate !== 'written' ? 'replace' : fateOf(file) === 'kept' ? 'keep' : file.merged ? 'merge' : undefined;
+/** The profile is what is edited here: it takes the place of that in the folder, unless somebody else has changed that meanwhile. */
+const chosenByItself = (file: FilePreview, profile: string, isOutdated: boolean): Choice | undefined =>
+  file.name === profile && isOutdated ? undefined : file.name === profile && file.fate !== 'written' ? 'replace' : fateOf(file) === 'kept' ? 'keep' : file.merged ? 'merge' : undefined;
 
-interface Props { form: Form; folder: string; files: readonly FilePreview[]; onClose: () => void; onWritten: (written: Written) => void }
+interface Props { form: Form; folder: string; adds: boolean; profile: string; isOutdated: boolean; files: readonly FilePreview[]; onClose: () => void; onWritten: (written: Written, choices: Record<string, Choice>) => void }
 
 /** Shows what becomes of each file, asks about those that the user has changed, and has rtbuild write them. */
-export function GenerateDialog({ form, folder, files, onClose, onWritten }: Props) {
+export function GenerateDialog({ form, folder, adds, profile, isOutdated, files, onClose, onWritten }: Props) {
   const texts = useBuilderTexts();
   const cancel = useTexts().plan.cancel;
   const { api, canChange } = useEditor();
   const changed = files.filter((file) => file.before !== null && file.fate !== 'unchanged' && (file.fate !== 'written' || file.merged !== null));
-  const asked = changed.filter((file) => file.name !== 'RTC.xml');
-  const [choices, setChoices] = useState<Record<string, Choice | undefined>>(() => Object.fromEntries(changed.map((file) => [file.name, chosenByItself(file)])));
+  const asked = changed.filter((file) => file.name !== profile || isOutdated);
+  const [choices, setChoices] = useState<Record<string, Choice | undefined>>(() => Object.fromEntries(changed.map((file) => [file.name, chosenByItself(file, profile, isOutdated)])));
   const [at, setAt] = useState(asked[0]?.name ?? '');
   const [problem, setProblem] = useState('');
   const [isBusy, setBusy] = useState(false);
   const shown = asked.find((file) => file.name === at);
-  const undecided = asked.some((file) => file.fate === 'conflict' && !choices[file.name]);
+  const undecided = asked.some((file) => (file.fate === 'conflict' || file.name === profile) && !choices[file.name]);
   const isNothing = files.every((file) => file.fate === 'unchanged' || (fateOf(file) === 'kept' && choices[file.name] === 'keep'));
   const decided = useMemo(() => Object.fromEntries(Object.entries(choices).flatMap(([name, choice]): [string, Choice][] => (choice ? [[name, choice]] : []))), [choices]);
   const [command, setCommand] = useState('');
   useEffect(() => {
     let isWanted = true;
-    commandOf(api, form, folder, decided).then((line) => isWanted && setCommand(line), (error: unknown) => isWanted && setProblem(sentence(error)));
+    commandOf(api, form, folder, decided, adds).then((line) => isWanted && setCommand(line), (error: unknown) => isWanted && setProblem(sentence(error)));
     return () => {
       isWanted = false;
     };
-  }, [api, form, folder, decided]);
+  }, [api, form, folder, decided, adds]);
   const write = () => {
     setBusy(true);
     setProblem('');
-    writeFiles(api, form, folder, decided).then(
+    writeFiles(api, form, folder, decided, adds).then(
       (written) => {
         setBusy(false);
-        if (written.ok) onWritten(written);
+        if (written.ok) onWritten(written, decided);
         else setProblem(written.error);
       },
       (error: unknown) => {

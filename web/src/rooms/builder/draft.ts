@@ -16,6 +16,11 @@ export interface Draft {
   /** What the last edit was about: edits of the same field in a row are one step. */
   last: string;
   isChanged: boolean;
+  /** The text of the profile in the folder as this draft knows it, and the form of then; null where it was not looked at yet. */
+  base: string | null;
+  baseForm: Form;
+  /** Put beside the components that the folder has. */
+  adds: boolean;
 }
 
 const KEY = 'rtkit.builder';
@@ -24,7 +29,7 @@ const MOST = 200;
 let count = 0;
 
 export const begun = (form: Form, origin: string, folder: string): Draft =>
-  ({ id: (count += 1), form, folder, origin, past: [], future: [], last: '', isChanged: false });
+  ({ id: (count += 1), form, folder, origin, past: [], future: [], last: '', isChanged: false, base: null, baseForm: form, adds: false });
 
 export function edited(draft: Draft, form: Form, about: string): Draft {
   if (form === draft.form) return draft;
@@ -49,8 +54,8 @@ const listeners = new Set<() => void>();
 /** The draft after a reload of the page, without its history. */
 function restored(): Draft | null {
   try {
-    const kept = JSON.parse(sessionStorage.getItem(KEY) ?? 'null') as Pick<Draft, 'form' | 'folder' | 'origin' | 'isChanged'> | null;
-    return kept ? { ...begun(kept.form, kept.origin, kept.folder), isChanged: kept.isChanged } : null;
+    const kept = JSON.parse(sessionStorage.getItem(KEY) ?? 'null') as (Pick<Draft, 'form' | 'folder' | 'origin' | 'isChanged'> & Partial<Pick<Draft, 'base' | 'baseForm' | 'adds'>>) | null;
+    return kept ? { ...begun(kept.form, kept.origin, kept.folder), isChanged: kept.isChanged, base: kept.base ?? null, baseForm: kept.baseForm ?? kept.form, adds: kept.adds ?? false } : null;
   } catch {
     return null; // another version of the page has left something else there
   }
@@ -59,8 +64,8 @@ function restored(): Draft | null {
 export function changeDraft(change: (draft: Draft | null) => Draft | null): void {
   present = change(present);
   if (present) {
-    const { form, folder, origin, isChanged } = present;
-    sessionStorage.setItem(KEY, JSON.stringify({ form, folder, origin, isChanged }));
+    const { form, folder, origin, isChanged, base, baseForm, adds } = present;
+    sessionStorage.setItem(KEY, JSON.stringify({ form, folder, origin, isChanged, base, baseForm, adds }));
   } else sessionStorage.removeItem(KEY);
   for (const listen of listeners) listen();
 }

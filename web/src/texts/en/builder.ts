@@ -17,6 +17,15 @@ export const builderTexts = {
     changed: 'changed', errors: (n: number) => (n === 1 ? '1 error' : `${n} errors`), warnings: (n: number) => (n === 1 ? '1 remark' : `${n} remarks`),
     good: 'No findings', reopen: 'The draft has changes that are not generated.',
     discard: 'Discard the draft', discarded: 'Changes that are not generated are lost. Discard the draft?',
+    adds: 'Add to the package there', addsHint: 'The component is put beside those that the folder has, as one package',
+  },
+  outdated: {
+    title: 'The profile on the disk was changed since it was opened.', compare: 'Compare', merge: 'Bring both together', take: 'Take it over', ignore: 'Keep mine',
+    conflicts: 'Changed on both sides; yours was kept:',
+  },
+  backups: {
+    open: 'Backups …', title: 'Backups', hint: 'What was replaced is kept as NAME.bak, ten copies of a file. What is put back takes the place of the file, which is kept as the latest copy.', none: 'There are no backups in this folder.',
+    putBack: 'Put back', clear: (n: number) => (n === 1 ? 'Remove 1 backup' : `Remove all ${n} backups`), ask: 'They are gone then.', close: 'Close',
   },
   preview: {
     title: 'Files', code: 'Code', difference: 'Difference', whole: 'Whole file', stale: 'Being generated …', none: 'The files appear when the errors are mended.',

@@ -19,6 +19,15 @@ export const builderTexts: BuilderTexts = {
     changed: '変更あり', errors: (n) => `エラー ${n} 件`, warnings: (n) => `注意 ${n} 件`,
     good: '指摘はありません', reopen: '下書きには、まだ生成していない変更があります。',
     discard: '下書きを破棄', discarded: 'まだ生成していない変更は失われます。下書きを破棄しますか?',
+    adds: '既存のパッケージに追加', addsHint: 'フォルダーにあるコンポーネントと同じパッケージに入れます',
+  },
+  outdated: {
+    title: '開いた後にディスク上のプロファイルが変更されました。', compare: '比較', merge: '両方をまとめる', take: 'ディスクの内容を取り込む', ignore: '自分の内容を保つ',
+    conflicts: '両方で変更されています。自分の内容を保ちました:',
+  },
+  backups: {
+    open: 'バックアップ…', title: 'バックアップ', hint: '置き換えたファイルは NAME.bak として 10 世代まで残ります。戻すと、今のファイルは最新のバックアップになります。', none: 'このフォルダーにバックアップはありません。',
+    putBack: '戻す', clear: (n: number) => `バックアップ ${n} 件をすべて削除`, ask: '元に戻せません。', close: '閉じる',
   },
   preview: {
     title: 'ファイル', code: 'コード', difference: '差分', whole: '全体', stale: '生成しています…', none: 'エラーを直すとファイルが表示されます。',
