@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from rtkit.component.context import ExecutionContext
 from rtkit.container import processors
 from rtkit.container.collector_between import CollectorBetween
-from rtkit.container.process_wishes import USUAL_SWITCH_S, Wish, wishes
+from rtkit.container.process_wishes import USUAL_SWITCH_S, Wish, freeze, wishes
 from rtkit.errors import Malformed, Refused
 from rtkit.logs.late import late
 from rtkit.rtc.context_settings import (
@@ -75,6 +75,7 @@ class ContextThread:
         self._context = context
         self._applied: tuple[Mapping[str, str], float] | None = None
         self._settings = ThreadSettings()
+        self._mode = CollectorMode.ON
         self._has_slack = False
         self._collector = CollectorBetween()
         self.is_collecting = False
@@ -105,8 +106,14 @@ class ContextThread:
         ]
         if period_s:
             self._limit_slack(int(period_s * 1e6))
-        self.is_collecting = context.is_periodic and wanted.collector is CollectorMode.BETWEEN
+        self._mode = wanted.collector
+        self.is_collecting = context.is_periodic and self._mode is CollectorMode.BETWEEN
         self._note_trouble("; ".join(filter(None, refused)))
+
+    def begin_cycles(self) -> None:
+        """Freeze what components made when they were activated, before the first cycle."""
+        if self._mode is not CollectorMode.ON:
+            freeze()
 
     def end(self) -> None:
         """Leave the thread and the process as they were."""

@@ -147,6 +147,8 @@ class Pacer:
             if context.has_requests:
                 is_to_begin = not context.has_work
                 context.serve_requests()
+                if is_to_begin and context.has_work:
+                    thread.begin_cycles()
                 if is_to_begin:  # while a component was activated there was no period to miss
                     period.restart(time.monotonic_ns())
             if context.rate != period.rate:

@@ -72,15 +72,22 @@ class ProcessWishes:
 
     def _collect(self, mode: CollectorMode) -> None:
         if mode is not CollectorMode.ON:
-            # What is frozen stays so: a slave has frozen what it shares with its siblings.
-            gc.collect()
-            gc.freeze()
+            freeze()
         if mode in _STOPPED and gc.isenabled():
             gc.disable()
             self._has_stopped_collector = True
         elif mode not in _STOPPED and self._has_stopped_collector:
             gc.enable()
             self._has_stopped_collector = False
+
+
+def freeze() -> None:
+    """Have the collector look no more through what there is, but for garbage, which goes.
+
+    It stays so to the end: a slave has frozen what it shares with its siblings.
+    """
+    gc.collect()
+    gc.freeze()
 
 
 wishes = ProcessWishes()

@@ -40,7 +40,7 @@ class CollectorMode(StrEnum):
 
     Attributes:
         ON: As Python decides.
-        FROZEN: Likewise, but what is there when the context begins is not looked through again.
+        FROZEN: Likewise, but what is there at the first cycle is not looked through again.
         BETWEEN: In the time that is left between two periods.
         OFF: Never.
     """

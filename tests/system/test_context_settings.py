@@ -36,6 +36,7 @@ class Told(Component):
 
     def on_activated(self, context):
         self.is_told = False
+        self.model = [1]
 
     def on_execute(self, context):
         if self.is_told:
@@ -54,6 +55,7 @@ class Told(Component):
             gc.isenabled(),
             f"{sys.getswitchinterval():g}",
             slack,
+            "looked-through" if any(self.model is each for each in gc.get_objects()) else "frozen",
         )
         fd = os.open(os.environ["RTKIT_STATE_DIR"] + "/diary", os.O_WRONLY)
         os.write(fd, (" ".join(map(str, words)) + "\\n").encode())
@@ -132,7 +134,7 @@ def test_settings_are_those_of_the_thread_and_end_with_it(
     make(tree, "A", "&".join(f"exec_cxt.{each}" for each in settings))
     make(tree, "B")
     change(tree, "A", Transition.ACTIVATE)
-    assert notes.next(1) == [f"{os.SCHED_RR} 7 0 False 0.001 0"]
+    assert notes.next(1) == [f"{os.SCHED_RR} 7 0 False 0.001 0 frozen"]
     pid = slave_pid(tree, "s")
     assert locked_kb(pid) > 0
     (context,) = facts_of(tree, "A").contexts
@@ -141,7 +143,7 @@ def test_settings_are_those_of_the_thread_and_end_with_it(
     change(tree, "A", Transition.DEACTIVATE)
     until(lambda: locked_kb(pid) == 0, "the memory stays locked")
     change(tree, "B", Transition.ACTIVATE)
-    assert notes.next(1) == [f"{_USUAL} 0.001 10000"]
+    assert notes.next(1) == [f"{_USUAL} 0.001 10000 looked-through"]
 
 
 def test_settings_of_one_context_and_of_all(tree: Tree, manager: Any, notes: Any) -> None:
@@ -149,7 +151,7 @@ def test_settings_of_one_context_and_of_all(tree: Tree, manager: Any, notes: Any
     contexts = "execution_contexts=PeriodicExecutionContext(a)&ec.a.rate=1"
     make(tree, "A", f"{contexts}&exec_cxt.garbage_collector=off&ec.a.garbage_collector=frozen")
     tree.perform(act.ChangeState("A", "a", Transition.ACTIVATE))
-    assert notes.next(1) == [f"{_USUAL} 0.005 50000"]
+    assert notes.next(1) == [f"{_USUAL} 0.005 50000 frozen"]
     (context,) = facts_of(tree, "A").contexts
     assert context.properties == {"garbage_collector": "frozen"}
 
