@@ -29,6 +29,7 @@ GROUPS = (
     "links",
     "spread",
     "ports",
+    "streams",
     "rates",
     "data",
     "faults",

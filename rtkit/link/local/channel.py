@@ -50,7 +50,7 @@ _CUT = int(socket.MSG_TRUNC | socket.MSG_CTRUNC)
 NOW = int(socket.MSG_DONTWAIT)
 """Flag by which `Channel.receive` does not wait."""
 _MOST_HELD = 16
-_MOST_HELD_BYTES = 64 << 20
+_MOST_HELD_BYTES = 32 << 20
 _LEAST_HELD = 2
 _GLANCE_S = 0.02
 _IN_TRANSIT = 2
