@@ -15,7 +15,7 @@ import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from bench import page, table3
+from bench import page, scale, table3
 from bench.harness import Lines, Missing, Row, table
 
 GROUPS = (
@@ -81,7 +81,7 @@ def main(arguments: list[str]) -> int:
             f"\nThe machine was at work before (load {others:.1f}, {os.cpu_count()} processors):"
             " believe ratios, not times."
         )
-    print(table3.pivots(rows), end="")
+    print(table3.pivots(rows) + scale.curves(rows), end="")
     return 0
 
 

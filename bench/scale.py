@@ -7,7 +7,9 @@ from contextlib import contextmanager
 
 from bench.harness import (
     Lines,
+    Missing,
     Row,
+    columns,
     command,
     create,
     manager,
@@ -30,6 +32,9 @@ _STEPS = (0, 1000, 2000, 4000, 6000, 8000, COUNT)
 _FLAT = 1.3
 """How much more a component may cost than the first ones did."""
 _BATCH = 100
+_THERE = " others there"
+_BAR, _LONGEST_BAR = 20, 60
+"""Of a bar: its length where nothing more is taken than by the first component, and at most."""
 _PATIENCE_S = 120.0
 _OTHER = "few"
 _MADE_IS = "the same components made by a plain loop in one process"
@@ -81,7 +86,21 @@ def _flat_row(
     many: Tree, few: Tree, what: str, there: int, add: Callable[[Tree], float], rounds: int
 ) -> Row:
     measured = paired(lambda: add(many), lambda: add(few), rounds)
-    return Row(f"{what}, {there:,} others there", "ms", *measured, _FLAT, True, _FEW_IS)
+    return Row(f"{what}, {there:,}{_THERE}", "ms", *measured, _FLAT, True, _FEW_IS)
+
+
+def curves(rows: Sequence[Row | Missing]) -> str:
+    """Return how the cost of one more component grows, as bars; nothing of nothing."""
+    found = [row for row in rows if isinstance(row, Row) and row.what.endswith(_THERE)]
+    cells: list[tuple[str, str, str]] = []
+    title = ""
+    for row in found:
+        what, _, there = row.what.removesuffix(_THERE).partition(", ")
+        if what != title:
+            cells.append((title := what, "", ""))
+        bar = "█" * min(round(row.ratio * _BAR), _LONGEST_BAR)
+        cells.append((f"{there:>8}", f"{row.ratio:.2f} x", bar))
+    return f"\n{columns(cells)}\n" if cells else ""
 
 
 def _by_call(tree: Tree) -> float:

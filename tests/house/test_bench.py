@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from bench import page, table3
+from bench import page, scale, table3
 from bench.__main__ import GROUPS, main
 from bench.harness import Missing, Row, table
 
@@ -43,6 +43,19 @@ def row(what: str, figure: float, target: float | None, *, is_ratio: bool = Fals
 def test_a_line_says_whether_its_target_is_met(line: Row | Missing, verdict: str) -> None:
     assert json.loads(line.as_json())["verdict"] == verdict
     assert verdict in table([line]).splitlines()[1]
+
+
+def test_the_cost_of_one_more_component_is_drawn_as_a_curve() -> None:
+    assert scale.curves([row("something else", 1.0, None)]) == ""
+    rows = [
+        row(f"a component by {way}, {there} others there", figure, 1.3, is_ratio=True)
+        for way in ("a call", "one rtmgr")
+        for there, figure in (("0", 2.0), ("10,000", 2.2))
+    ]
+    lines = scale.curves(rows).splitlines()
+    assert (lines[1], lines[4]) == ("a component by a call", "a component by one rtmgr")
+    assert lines[2].split() == ["0", "1.00", "x", "█" * 20]
+    assert lines[3].split() == ["10,000", "1.10", "x", "█" * 22]
 
 
 def test_table_3_has_a_place_for_each_of_its_rows() -> None:
