@@ -17,6 +17,8 @@ from rtkit.rtc.profiles import (
     TypeProfile,
 )
 
+TOOL = ("rtkit", "tool")
+"""Vendor and category of the components of data tools."""
 AT_FIRST, IS_SO, BY_OTHERS = "at first", "is so", "by others"
 """Words for the ways in which a system came to a state without an event."""
 
@@ -170,6 +172,11 @@ class ComponentFacts:
         parts = (line.partition(" ") for line in self.code.splitlines())
         changed = (file for loaded, _, file in parts if present.get(file, loaded) != loaded)
         return next(changed, "")
+
+    @property
+    def is_tool(self) -> bool:
+        """Return whether it is that of a data tool, there for as long as the tool runs."""
+        return (self.type.vendor, self.type.category) == TOOL
 
     @property
     def state(self) -> str:

@@ -60,6 +60,7 @@ class UserEvent(NamedTuple):
         names: Names under which the component is registered, or was.
         restart: Of one that its policy restarted: how often, for what, how long it took.
         system: Transition of a system that is followed.
+        is_tool: The component is that of a data tool, there for as long as the tool runs.
     """
 
     kind: str
@@ -71,10 +72,12 @@ class UserEvent(NamedTuple):
     names: tuple[str, ...] = ()
     restart: RestartStatus | None = None
     system: Followed | None = None
+    is_tool: bool = False
 
 
 def _of(kind: str, facts: ComponentFacts, subject: str, event: str, detail: str = "") -> UserEvent:
-    return UserEvent(kind, facts.instance, facts.process, subject, event, detail, facts.names)
+    about = kind, facts.instance, facts.process, subject, event, detail, facts.names
+    return UserEvent(*about, is_tool=facts.is_tool)
 
 
 def user_events(before: Snapshot | LiveFacts, delta: Delta) -> Iterator[UserEvent]:

@@ -24,14 +24,6 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts, Snapshot
     from rtkit.rtc.names import Path
 
-_TOOL = ("rtkit", "tool")
-"""Vendor and category of the components of data tools, whose ports patterns pass over."""
-
-
-def is_tool(facts: ComponentFacts) -> bool:
-    """Return whether a component is that of a data tool, there for as long as the tool runs."""
-    return (facts.type.vendor, facts.type.category) == _TOOL
-
 
 def expanded(
     snapshot: Snapshot, specs: Sequence[PortSpec], wanted: PortType, *, is_patient: bool = False
@@ -89,7 +81,7 @@ def _matches(
     nodes = (n for n in root.walk() if n.kind is NodeKind.COMPONENT)
     for node in once(each for each in nodes if _is_at(each, spec.path, snapshot.host)):
         facts = known[node.instance]
-        if not is_tool(facts):
+        if not facts.is_tool:
             for name, text in _ports(facts, spec.path.port or "", wanted):
                 elements = tuple(node.path[1:].split("/"))
                 path = spec.path._replace(typed=f"{node.path}:{text}", elements=elements, port=text)

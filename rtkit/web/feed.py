@@ -15,6 +15,7 @@ from rtkit.deployment.metrics import METRICS, Metrics
 from rtkit.link.places import host_name
 from rtkit.link.wakeup import Wakeup
 from rtkit.tree.subscription import SubscriptionEnded
+from rtkit.web.tool_filter import ToolFilter
 
 if TYPE_CHECKING:
     from rtkit.api.session import Session
@@ -78,6 +79,7 @@ class SystemFeed:
         self._due: float | None = None
         self._free_at = 0.0
         self._raters: dict[str, Rater] = {}
+        self._tools: dict[str, ToolFilter] = {}
         self._ending = Wakeup()
         self._thread = Thread(target=self._run, name="feed", daemon=True)
 
@@ -141,7 +143,8 @@ class SystemFeed:
             self._note_end(name, event)
         else:
             where = SeenAt(observers.names[name], observers.places[name], not name)
-            for each in event.user_events:
+            tools = self._tools.setdefault(name, ToolFilter())
+            for each in tools.of_components(event.user_events):
                 yield event_record(each, event.time, where, self._host)
 
     def _note_end(self, name: str, end: SubscriptionEnded) -> None:

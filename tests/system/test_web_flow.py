@@ -153,6 +153,20 @@ def test_the_past_reaches_back_to_what_the_manager_still_holds(flow: Shell) -> N
         assert client.ask("GET", f"{export}&at=then").status == 400
 
 
+def test_a_tool_is_seen_by_what_it_does_to_a_component(client: WebClient, flow: Shell) -> None:
+    with client.stream() as stream:
+        stream.until(lambda s: OUT in s.components)
+        flow.ok(f"rtinject --const='{{data: {{vx: 0.5, va: 0.0}}}}' {GOAL}:velocity")
+        stream.until(lambda s: any(each["event"] == "PORT_DISCONNECT" for each in s.events))
+        flow.ok("rtmgr -c 'ConfigSample?instance_name=Last0' /localhost/manager.mgr")
+        stream.until(lambda s: "/localhost/Last0.rtc" in s.components)
+        flow.ok("rtexit /localhost/Last0.rtc")
+    about = [(each["path"], each["event"]) for each in stream.events]
+    assert [each for each in about if "Last0" not in each[0]] == [
+        (GOAL, "PORT_CONNECT"), (GOAL, "PORT_DISCONNECT"),
+    ]  # fmt: skip
+
+
 def test_the_past_is_kept_as_pages_were_told(client: WebClient, flow: Shell) -> None:
     with client.stream() as stream:
         picture = stream.next("picture")

@@ -159,13 +159,12 @@ def _placed(
     """Return living components, but those of data tools, each behind its path."""
     from rtkit.api.observers import place_of
     from rtkit.link.places import usual_manager
-    from rtkit.probe.port_pattern import is_tool
 
     is_usual = manager == usual_manager()
     return [
         (place_of(manager, each, host, is_usual=is_usual), each)
         for each in components
-        if not each.zombie and not is_tool(each)
+        if not each.zombie and not each.is_tool
     ]
 
 

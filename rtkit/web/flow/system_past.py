@@ -28,6 +28,7 @@ from rtkit.errors import RtkitError
 from rtkit.tree.connect import connect
 from rtkit.web.feed import SeenAt, event_record
 from rtkit.web.flow.manager_past import PastFacts, past_of
+from rtkit.web.tool_filter import ToolFilter
 
 _TIMEOUT_S = 10.0
 _BOUND_S = 5.0
@@ -87,6 +88,7 @@ def changes_of(managers: Sequence[AskedManager], host: str, until: float) -> Rec
     before = records = records_of(list(present.values()), host)
     each_s = max(monotonic() - began, 1e-4)
     size = max(1, ceil(len(later) * each_s / _BOUND_S))
+    tools = [ToolFilter() for _ in managers]
     changes: list[Record] = []
     rest = iter(later)
     while group := list(islice(rest, size)):
@@ -94,7 +96,8 @@ def changes_of(managers: Sequence[AskedManager], host: str, until: float) -> Rec
         for time, number, step in group:
             manager = managers[number]
             present[manager] = manager.known(step)
-            events += [event_record(each, time, manager.where, host) for each in step.events]
+            of_components = tools[number].of_components(step.events)
+            events += [event_record(each, time, manager.where, host) for each in of_components]
         after = records_of(list(present.values()), host)
         changes.append({"time": group[-1][0], **_changed(records, after), "events": events})
         records = after
