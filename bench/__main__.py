@@ -1,9 +1,9 @@
 """Runs all measurements, or those named: ``python -m bench [--page FILE] [slaves/stop …]``.
 
-A name is a group, or a part of one; ``-l`` lists them. One line of JSON per row as it is measured,
-then a table, on stdout; ``--page`` also writes that table into a page, between its marks, with
-``--placement`` as the words for where on the machine it ran. The exit status is 0 also when a
-target is missed: machines differ, and the table says it.
+A name is a group, or a part of one; ``-l`` lists them. On stdout come one line of JSON that tells
+where it runs, one per row as it is measured, and then a table; ``--page`` also writes that table
+into a page, between its marks, with ``--placement`` as the words for where it ran. The exit status
+is 0 also when a target is missed: machines differ, and the table says it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from bench import page, scale, table3
+from bench import page, placement, scale, table3
 from bench.harness import Lines, Missing, Row, table
 
 GROUPS = (
@@ -72,14 +72,18 @@ def main(arguments: list[str]) -> int:
             return 2
         chosen.update(found)
     others = os.getloadavg()[0]
+    print(placement.as_json(others), flush=True)
     rows = _measured(chosen.values())
     print("\n" + table(rows))
+    print(
+        f"\n{placement.machine()}; governor {placement.governor() or 'unknown'};"
+        f" load average before {others:.1f}, after {os.getloadavg()[0]:.1f}"
+    )
     if options.page is not None:
         page.write(options.page, rows, others, options.placement)
     if others > _BUSY:
         print(
-            f"\nThe machine was at work before (load {others:.1f}, {os.cpu_count()} processors):"
-            " believe ratios, not times."
+            "The machine was at work before: believe ratios, not times, and none that is too noisy."
         )
     print(table3.pivots(rows) + scale.curves(rows), end="")
     return 0

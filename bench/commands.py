@@ -16,7 +16,8 @@ from __future__ import annotations
 import os
 import tempfile
 
-from bench.harness import Lines, Row, command, create, manager, paired, process, work
+from bench.harness import Lines, Row, command, create, manager, process, work
+from bench.pairs import paired
 from bench.query import FLOOR_IS, PROFILE_IS, floor
 from rtkit.tree.client import Tree
 
@@ -127,7 +128,7 @@ def _worked(what: str, line: str, bare: list[str], floor_is: str) -> Row:
     name, *arguments = line.split()
     ours = [command(name), *arguments]
     measured = paired(lambda: work(ours), lambda: work(bare), _ROUNDS)
-    return Row(f"{what}, 10 components, processor time", "ms", *measured, _BOUND, True, floor_is)
+    return Row(f"{what}, 10 components, processor time", "ms", measured, _BOUND, True, floor_is)
 
 
 PARTS = {"reading": _reading, "readers": _readers, "creating": _creating}
@@ -140,7 +141,7 @@ def _fill(tree: Tree, count: int) -> None:
 
 def _against_floor(what: str, ours: list[str], bare: list[str], target: float | None) -> Row:
     measured = paired(lambda: process(ours), lambda: process(bare))
-    return Row(f"{what}, whole process", "ms", *measured, target, True, FLOOR_IS)
+    return Row(f"{what}, whole process", "ms", measured, target, True, FLOOR_IS)
 
 
 def _create(tree: Tree, rtls: list[str], what: str, place: str, target: float) -> Row:
@@ -153,4 +154,4 @@ def _create(tree: Tree, rtls: list[str], what: str, place: str, target: float) -
         return elapsed_ms
 
     measured = paired(create_one, lambda: process(rtls))
-    return Row(f"{what}, whole process", "ms", *measured, target, True, "rtls")
+    return Row(f"{what}, whole process", "ms", measured, target, True, "rtls")

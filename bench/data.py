@@ -16,7 +16,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 
-from bench.harness import Lines, Row, command, manager, medians, pairs_of
+from bench.harness import Lines, Row, command, manager
+from bench.pairs import alone, medians, pairs_of
 from rtkit.deployment.actions import Action, ChangeState, Create, SetParameters
 from rtkit.recording.mcap_file import CHUNK_S, RecordingReader
 from rtkit.rtc.enums import Transition
@@ -52,7 +53,7 @@ def _losing() -> Lines:
             told = flood.told([command("rtprint"), *args], count, size)
             missing = abs(count - told["values"] - told["lost"])
             text = f"{what}, overwriting: neither counted nor told as lost"
-            yield Row(text, "values", missing, count, missing / count, 0.0, False, "what was sent")
+            yield Row(text, "values", alone(missing, count), 0.0, False, "what was sent")
 
 
 def _killing() -> Lines:
@@ -65,7 +66,7 @@ def _killing() -> Lines:
         worst = max(lost_ms)
         closed_ms = CHUNK_S * 1e3
         text = f"rtlog killed at {_KILLS} random moments, the last that is lost of what came"
-        yield Row(text, "ms", worst, closed_ms, worst / closed_ms, 1000.0, False, _CLOSED_IS)
+        yield Row(text, "ms", alone(worst, closed_ms), 1000.0, False, _CLOSED_IS)
 
 
 def _lost_ms(path: str, after_s: float) -> float:
@@ -88,7 +89,7 @@ def _kept_up(name: str, words: list[str]) -> Lines:
         for what, count, size in _STREAMS:
             ours = partial(_tool_ms, flood, folder, words, count, size)
             measured = medians(pairs_of(ours, partial(bare, count, size), _ROUNDS))
-            yield Row(f"{name}, {what}", "ms", *measured, _TARGET_MS, False, _FLOOR_IS)
+            yield Row(f"{name}, {what}", "ms", measured, _TARGET_MS, False, _FLOOR_IS)
 
 
 def _tool_ms(flood: _Flood, folder: str, words: list[str], count: int, size: int) -> float:

@@ -8,7 +8,8 @@ import signal
 import sys
 import time
 
-from bench.harness import Lines, Row, manager, paired
+from bench.harness import Lines, Row, manager
+from bench.pairs import paired
 from rtkit.deployment.actions import Create
 from rtkit.tree.client import Tree
 
@@ -19,7 +20,7 @@ def _killed() -> Lines:
     with manager() as tree:
         measured = paired(lambda: _slave_ms(tree), _bare_ms)
         what = "dead slave (small) marked in the listing, from the kill"
-        yield Row(what, "ms", *measured, 50.0, False, _FLOOR_IS)
+        yield Row(what, "ms", measured, 50.0, False, _FLOOR_IS)
 
 
 PARTS = {"killed": _killed}

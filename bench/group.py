@@ -10,7 +10,8 @@ from contextlib import AbstractContextManager, ExitStack
 from time import monotonic
 
 import rtkit
-from bench.harness import Lines, Row, folders, paired, servers, timed
+from bench.harness import Lines, Row, folders, servers, timed
+from bench.pairs import paired
 from rtkit.link import places
 from rtkit.link.deadline import with_deadline
 from rtkit.property.line import write_request as _line
@@ -40,7 +41,7 @@ def _fanout() -> Lines:
                 _ROUNDS,
             )
             what = f"group: {what} of {_MEMBERS} members"
-            yield Row(what, "ms", *measured, 1.5, True, _BARE_IS)
+            yield Row(what, "ms", measured, 1.5, True, _BARE_IS)
 
 
 def ask_each(ends: Sequence[socket.socket], line: bytes) -> None:

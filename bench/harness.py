@@ -1,4 +1,4 @@
-"""Measures in pairs: figure beside floor, medians, each run on its own manager.
+"""Holds what measurements share: rows, managers of their own, processes.
 
 Machines are noisy, so a figure means little alone: figure and floor take turns (A B A B …) in one
 run and on one interpreter, and the median of the ratios of neighbours is judged. Rows
@@ -11,7 +11,6 @@ import json
 import os
 import resource
 import signal
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -22,6 +21,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import rtkit
+from bench.pairs import Measured
 from rtkit.deployment.actions import Action, Create, Delete
 from rtkit.link.tcp_endpoint import free_port
 from rtkit.manager import launch
@@ -29,10 +29,6 @@ from rtkit.settings.configuration import CommandLineSettings
 from rtkit.tree import managers
 from rtkit.tree.client import Tree
 
-ROUNDS = 21
-"""Pairs that are measured, after the warm-up."""
-
-WARM_UP = 3
 _START_S = 20.0
 _PATIENCE_S = 30.0
 _IN_MEMORY = "/dev/shm"
@@ -47,46 +43,61 @@ class Row(NamedTuple):
     Attributes:
         what: What was measured.
         unit: Of figure and floor.
-        figure: Median of rtkit.
-        floor: Median of what is compared with.
-        ratio: Median of the ratios of the pairs.
+        measured: Medians of rtkit and of what is compared with, of their ratio, and the spread.
         target: Upper bound; None when the row only informs.
         is_ratio: Whether the target bounds the ratio, else the figure itself.
         floor_is: What the floor is.
+        placement: Where both ends ran, if known.
     """
 
     what: str
     unit: str
-    figure: float
-    floor: float
-    ratio: float
+    measured: Measured
     target: float | None
     is_ratio: bool
     floor_is: str
+    placement: str = ""
 
     @property
     def verdict(self) -> str:
-        """Whether the target is met."""
+        """Whether the target is met; that the machine is too noisy to tell, where it is."""
         if self.target is None:
-            return "-"
-        return "ok" if (self.ratio if self.is_ratio else self.figure) <= self.target else "MISSED"
+            return "too noisy" if self.measured.is_noisy else "-"
+        interval = self.measured.spread and self.measured.spread.interval
+        is_open = interval is not None and interval[0] <= self.target < interval[1]
+        if self.is_ratio and self.measured.is_noisy and is_open:
+            return "too noisy"
+        bounded = self.measured.ratio if self.is_ratio else self.measured.figure
+        return "ok" if bounded <= self.target else "MISSED"
+
+    @property
+    def ratio(self) -> str:
+        """The median ratio for people, with its interval."""
+        interval = self.measured.spread and self.measured.spread.interval
+        ends = "" if interval is None else f" ({interval[0]:.2f}-{interval[1]:.2f})"
+        return f"{self.measured.ratio:.2f}{ends}"
 
     def as_json(self) -> str:
         """Return the row as one line of JSON."""
-        return json.dumps(
-            {
-                "schema": "rtkit.bench/1",
-                "what": self.what,
-                "unit": self.unit,
-                "figure": float(f"{self.figure:.4g}"),
-                "floor": float(f"{self.floor:.4g}"),
-                "ratio": float(f"{self.ratio:.4g}"),
-                "target": self.target,
-                "target_bounds": "ratio" if self.is_ratio else "figure",
-                "floor_is": self.floor_is,
-                "verdict": self.verdict,
-            }
-        )
+        figure, floor, ratio, spread = self.measured
+        members: dict[str, object] = {
+            "schema": "rtkit.bench/1",
+            "what": self.what,
+            "unit": self.unit,
+            "figure": float(f"{figure:.4g}"),
+            "floor": float(f"{floor:.4g}"),
+            "ratio": float(f"{ratio:.4g}"),
+            "target": self.target,
+            "target_bounds": "ratio" if self.is_ratio else "figure",
+            "floor_is": self.floor_is,
+            "verdict": self.verdict,
+        }
+        if spread is not None:
+            members |= spread.as_json()
+            members["noisy"] = self.measured.is_noisy
+        if self.placement:
+            members["placement"] = self.placement
+        return json.dumps(members)
 
 
 class Missing(NamedTuple):
@@ -100,34 +111,7 @@ class Missing(NamedTuple):
         return json.dumps({"schema": "rtkit.bench/1", **self._asdict(), "verdict": "not measured"})
 
 
-Measure = Callable[[], float]
 Lines = Iterator[Row | Missing]
-
-
-def pairs_of(
-    one: Measure, other: Measure, rounds: int = ROUNDS, warm_up: int = WARM_UP
-) -> list[tuple[float, float]]:
-    """Let two measurements take turns, after a warm-up."""
-    for _ in range(warm_up):
-        one()
-        other()
-    return [(one(), other()) for _ in range(rounds)]
-
-
-def medians(pairs: Sequence[tuple[float, float]]) -> tuple[float, float, float]:
-    """Return the medians of the first, of the second, and of their ratios."""
-    return (
-        statistics.median(a for a, _ in pairs),
-        statistics.median(b for _, b in pairs),
-        statistics.median(a / b for a, b in pairs),
-    )
-
-
-def paired(
-    one: Measure, other: Measure, rounds: int = ROUNDS, *, warm_up: int = WARM_UP
-) -> tuple[float, float, float]:
-    """Let two measurements take turns; return the medians of each and of their ratios."""
-    return medians(pairs_of(one, other, rounds, warm_up))
 
 
 def timed(work: Callable[[], object]) -> float:
@@ -261,14 +245,21 @@ def table(rows: Sequence[Row | Missing]) -> str:
         cells.append(
             (
                 row.what,
-                f"{row.figure:.3g} {row.unit}",
-                f"{row.floor:.3g} {row.unit}",
-                f"{row.ratio:.2f}",
+                f"{row.measured.figure:.3g} {row.unit}",
+                f"{row.measured.floor:.3g} {row.unit}",
+                row.ratio,
                 f"<= {bound}{unit}" if bound else "-",
-                row.verdict,
+                _told(row),
             )
         )
     return columns(cells)
+
+
+def _told(row: Row) -> str:
+    """Return the verdict, and that the interval is wide where the verdict does not say it."""
+    if row.measured.is_noisy and row.verdict != "too noisy":
+        return f"{row.verdict}, too noisy"
+    return row.verdict
 
 
 def columns(cells: Sequence[Sequence[str]]) -> str:

@@ -16,7 +16,8 @@ from contextlib import ExitStack
 from typing import Any
 
 from bench import far
-from bench.harness import Lines, Missing, Row, command, medians, paired, pairs_of, process, timed
+from bench.harness import Lines, Missing, Row, command, process, timed
+from bench.pairs import alone, medians, paired, pairs_of
 from bench.processes import own_group
 from rtkit.hosts import inventory, wheels
 from rtkit.hosts.connection import connect
@@ -36,10 +37,10 @@ def _known() -> Lines:
         far_ls, near_ls = ([command("rtls"), path] for path in ("/b0", "/localhost"))
         what = "rtls of another host over the kept link, whole process"
         ratios = paired(lambda: process(far_ls), lambda: process(near_ls))
-        yield Row(what, "ms", *ratios, 1.5, True, _LOCAL_IS)
+        yield Row(what, "ms", ratios, 1.5, True, _LOCAL_IS)
         what = f"{_TEN} components on another host, one rtmgr, whole process"
         ratios = paired(lambda: _made("b0"), lambda: _made("localhost"), _ROUNDS)
-        yield Row(what, "ms", *ratios, 1.3, True, _LOCAL_IS)
+        yield Row(what, "ms", ratios, 1.3, True, _LOCAL_IS)
 
 
 def _made(host: str) -> float:
@@ -77,10 +78,10 @@ def _bare() -> Lines:
 
         pairs = [(bring_up(), copy()) for _ in range(_BARE_ROUNDS)]
         what = "a bare host: rtkit made there, its manager started and linked"
-        yield Row(what, "s", *medians(pairs), None, False, _BYTES_IS)
+        yield Row(what, "s", medians(pairs), None, False, _BYTES_IS)
         mb = statistics.median(sent)
         what = "a bare host: bytes sent"
-        yield Row(what, "MB", mb, size / 1e6, mb / (size / 1e6), None, False, "the wheels")
+        yield Row(what, "MB", alone(mb, size / 1e6), None, False, "the wheels")
 
 
 def _sent(words: Sequence[str]) -> float:
@@ -117,11 +118,11 @@ def _ten() -> Lines:
 
         pairs = pairs_of(at_hosts, here, _BARE_ROUNDS)
         what = f"managers of {_TEN} known hosts, started and linked by one command"
-        yield Row(what, "s", *medians(pairs), 1.3, True, _MANAGERS_IS)
+        yield Row(what, "s", medians(pairs), 1.3, True, _MANAGERS_IS)
         for where, name in (("hosts", "processor time"), ("of it here", "processor time here")):
-            spent = list(zip(used[where], used["managers"], strict=True))[-_BARE_ROUNDS:]
+            spent = list(zip(used[where], used["managers"], strict=True))[-len(pairs) :]
             target = 1.3 if where == "of it here" else None
-            yield Row(f"{what}: {name}", "s", *medians(spent), target, True, _MANAGERS_IS)
+            yield Row(f"{what}: {name}", "s", medians(spent), target, True, _MANAGERS_IS)
         process(far.line("start", found))
 
 
@@ -143,7 +144,7 @@ def _silent() -> Lines:
         all = [*words, *(f"s{index}" for index in range(_TEN))]
         ratios = paired(lambda: _fails(all), lambda: _fails([*words, "s0"]), _BARE_ROUNDS)
         what = f"{_TEN} hosts that do not answer within {_SILENT_S} s, told by one rthost check"
-        yield Row(what, "s", *ratios, 1.3, True, "the same of one such host")
+        yield Row(what, "s", ratios, 1.3, True, "the same of one such host")
 
 
 def _fails(words: list[str]) -> float:

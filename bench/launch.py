@@ -12,13 +12,13 @@ from bench.harness import (
     command,
     create,
     manager,
-    paired,
     process,
     remove,
     timed,
     until_alone,
     until_listed,
 )
+from bench.pairs import paired
 from rtkit.deployment.actions import Load, Unload
 from rtkit.resources import resource
 from rtkit.tree.client import Tree
@@ -79,7 +79,7 @@ def _row(
 
     measured = paired(launch, lambda: floor(count) / count, rounds)
     floor_is = _MADE_IS if floor is made else _FORK_IS
-    return Row(f"{what}, each until Inactive", "ms", *measured, target, False, floor_is)
+    return Row(f"{what}, each until Inactive", "ms", measured, target, False, floor_is)
 
 
 def _command_row(
@@ -102,7 +102,7 @@ def _command_row(
 
     measured = paired(launch, lambda: floor(count) / count, 15)
     floor_is = _MADE_IS if floor is made else _FORK_IS
-    return Row(f"{what}, whole process, each", "ms", *measured, target, False, floor_is)
+    return Row(f"{what}, whole process, each", "ms", measured, target, False, floor_is)
 
 
 def _trial_row(tree: Tree, floor: Callable[[int], float]) -> Row:
@@ -113,7 +113,7 @@ def _trial_row(tree: Tree, floor: Callable[[int], float]) -> Row:
 
     measured = paired(load, lambda: floor(1), 15)
     what = "a module imported by a process of its own, one call, until it is known"
-    return Row(what, "ms", *measured, None, False, _FORK_IS)
+    return Row(what, "ms", measured, None, False, _FORK_IS)
 
 
 def _system_row(tree: Tree) -> Row:
@@ -128,7 +128,7 @@ def _system_row(tree: Tree) -> Row:
 
     measured = paired(launch, lambda: process(rtls), 15)
     what = "rtresurrect of three connected components, own slave each, whole process"
-    return Row(what, "ms", *measured, 1.7, True, "rtls")
+    return Row(what, "ms", measured, 1.7, True, "rtls")
 
 
 def made(count: int) -> float:

@@ -15,6 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 
 from bench.harness import Lines, Missing, Row, command, create, folders, process, until_listed
+from bench.pairs import alone
 from bench.processes import processor_s, pss_mib
 from rtkit.errors import Unreachable
 from rtkit.hosts.link_process import rules
@@ -72,7 +73,7 @@ def _linked() -> Lines:
 
 
 def _row(what: str, unit: str, figure: float, target: float | None = None) -> Row:
-    return Row(what, unit, figure, 0.0, 0.0, target, False, "nothing: the figure stands alone")
+    return Row(what, unit, alone(figure, 0.0), target, False, "nothing: the figure stands alone")
 
 
 def _of(pid: int) -> tuple[float, float]:

@@ -8,18 +8,8 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 
-from bench.harness import (
-    Lines,
-    Row,
-    command,
-    create,
-    folders,
-    medians,
-    pairs_of,
-    process,
-    timed,
-    until_listed,
-)
+from bench.harness import Lines, Row, command, create, folders, process, timed, until_listed
+from bench.pairs import alone, medians, pairs_of
 from bench.processes import processor_s, pss_mib
 from bench.slaves import LEAST_SHARE, idle_sessions
 from rtkit.errors import Unreachable
@@ -46,23 +36,17 @@ def _hundred() -> Lines:
         try:
             started_ms = timed(lambda: _each(_start))
             what = f"{COUNT} managers started, {_AT_ONCE} at once, until they answer: each"
-            yield Row(
-                what, "ms", *_beside(started_ms / COUNT, bare_ms / COUNT), None, False, _BARE_IS
-            )
+            yield Row(what, "ms", alone(started_ms / COUNT, bare_ms / COUNT), None, False, _BARE_IS)
             _each(lambda name: _fill(name, pids))
             yield _listing()
             what = f"memory of a manager with {COMPONENTS} components, one of {COUNT} (PSS)"
-            yield Row(what, "MiB", *_beside(pss_mib(pids), pss_mib(bare)), None, False, _BARE_IS)
+            yield Row(what, "MiB", alone(pss_mib(pids), pss_mib(bare)), None, False, _BARE_IS)
             what = f"{COUNT} idle managers with {COMPONENTS} components each: processor"
             time.sleep(_SETTLE_S)  # the first moments of a manager are no steady state
-            loads = _beside(_load_percent(pids), _load_percent(bare))
-            yield Row(what, "% of a core", *loads, None, False, _BARE_IS)
+            loads = alone(_load_percent(pids), _load_percent(bare))
+            yield Row(what, "% of a core", loads, None, False, _BARE_IS)
         finally:
             _each(_stop)
-
-
-def _beside(ours: float, bare: float) -> tuple[float, float, float]:
-    return ours, bare, ours / bare
 
 
 def _each(work: Callable[[str], object]) -> None:
@@ -92,7 +76,7 @@ def _listing() -> Row:
     one = [command("rtls"), "-R", f"/localhost/{_NAMES[0]}.mgr"]
     pairs = pairs_of(lambda: process(everything), lambda: process(one), _ROUNDS)
     what = f"rtls -R / of {COUNT * COMPONENTS:,} components of {COUNT} managers, whole process"
-    return Row(what, "ms", *medians(pairs), 5000.0, False, _ONE_IS)
+    return Row(what, "ms", medians(pairs), 5000.0, False, _ONE_IS)
 
 
 def _load_percent(pids: list[int]) -> float:

@@ -4,19 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from bench.harness import (
-    Lines,
-    Row,
-    command,
-    create,
-    manager,
-    paired,
-    process,
-    remove,
-    timed,
-    until_listed,
-)
+from bench.harness import Lines, Row, command, create, manager, process, remove, timed, until_listed
 from bench.launch import made
+from bench.pairs import paired
 from bench.query import FLOOR_IS, floor
 from rtkit.tree.client import Tree
 
@@ -39,12 +29,12 @@ def _thousand() -> Lines:
 
         measured = paired(up_s, lambda: made(len(texts)) / 1e3, 5)
         what = "1,000 components in 10 slaves, one call, until all are Inactive"
-        yield Row(what, "s", *measured, 3.0, False, _MADE_IS)
+        yield Row(what, "s", measured, 3.0, False, _MADE_IS)
         up()
         ours, bare = [command("rtls"), "-lR", "/localhost"], floor(tree)
         measured = paired(lambda: process(ours), lambda: process(bare))
         what = "rtls -lR, 1,000 components in 10 slaves, whole process"
-        yield Row(what, "ms", *measured, 2.0, True, FLOOR_IS)
+        yield Row(what, "ms", measured, 2.0, True, FLOOR_IS)
 
 
 def _state() -> Lines:
@@ -68,7 +58,7 @@ def _state_row(tree: Tree, what: str) -> Row:
         return (there + back) / 2
 
     measured = paired(lambda: change(paths), lambda: change(paths[:1]), 15)
-    return Row(what, "ms", *measured, 3.0, True, _ONE_IS)
+    return Row(what, "ms", measured, 3.0, True, _ONE_IS)
 
 
 PARTS = {"thousand": _thousand, "state": _state}

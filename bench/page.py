@@ -3,30 +3,19 @@
 from __future__ import annotations
 
 import datetime
-import os
-import platform
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from bench import placement as place
 from bench.harness import Missing, Row
 
 BEGIN, END = "<!-- bench: begin -->\n", "<!-- bench: end -->\n"
 _HEAD = ("measured", "figure", "floor", "ratio", "target", "the floor is")
 
 
-def machine() -> str:
-    """Return processors, kernel and interpreter of this machine, in one line."""
-    cpu = re.search(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
-    return (
-        f"{os.cpu_count()} processors ({cpu[1] if cpu else platform.machine()}), Linux"
-        f" {platform.release()}, Python {platform.python_version()}"
-    )
-
-
 def section(rows: Sequence[Row | Missing], load: float, placement: str, day: str) -> str:
     """Return the text between the marks: where it was measured, and the table."""
-    where = f"Measured on {day}: {machine()}; load average before {load:.1f}; {placement}."
+    where = f"Measured on {day}: {place.machine()}; load average before {load:.1f}; {placement}."
     lines = ["| " + " | ".join(_HEAD) + " |", "| --- | ---: | ---: | ---: | ---: | --- |"]
     lines += ["| " + " | ".join(_cells(row)) + " |" for row in rows]
     return "\n".join([where, "", *lines, ""])
@@ -36,8 +25,9 @@ def _cells(row: Row | Missing) -> tuple[str, ...]:
     if isinstance(row, Missing):
         return (row.what, "-", "-", "-", "-", f"not measured: {row.why}")
     bound = "" if row.target is None else f"{row.target:g} {'x' if row.is_ratio else row.unit}"
-    missed = " MISSED" if row.verdict == "MISSED" else ""
-    figures = (f"{row.figure:.3g} {row.unit}", f"{row.floor:.3g} {row.unit}", f"{row.ratio:.2f} x")
+    missed = f" {row.verdict}" if row.verdict in ("MISSED", "too noisy") else ""
+    figure, floor, *_ = row.measured
+    figures = (f"{figure:.3g} {row.unit}", f"{floor:.3g} {row.unit}", f"{row.ratio} x")
     return (row.what, *figures, bound + missed, row.floor_is)
 
 

@@ -15,7 +15,8 @@ from contextlib import suppress
 from random import Random
 from typing import Any
 
-from bench.harness import Lines, Row, paired, timed
+from bench.harness import Lines, Row, timed
+from bench.pairs import paired
 from rtkit.deployment.planning.deployment_plan import make_plan
 from rtkit.deployment.planning.model import (
     ComponentVariable,
@@ -53,7 +54,7 @@ def _successors() -> Lines:
 
     metrics = paired(search, bare, _ROUNDS)
     what = "A* among 10^6 states, one successor (10 us are 100,000 a second on one core)"
-    yield Row(what, "us", *metrics, 10.0, False, "the model's own work on the same states")
+    yield Row(what, "us", metrics, 10.0, False, "the model's own work on the same states")
 
 
 def _search(problem: Problem, instance: Any) -> None:
@@ -93,7 +94,7 @@ def _deployments() -> Lines:
             )
             what = f"plan of {components:,} components, {connections:,} connections, {how}"
             what += f" ({quality(found)})"
-            yield Row(what, "ms", *metrics, target_s * 1000, False, "carrying it out on the model")
+            yield Row(what, "ms", metrics, target_s * 1000, False, "carrying it out on the model")
 
 
 def _model(components: int, connections: int) -> Model:

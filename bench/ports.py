@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -12,7 +13,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
-from bench.harness import Lines, Missing, Row, manager, medians, paired, pairs_of
+from bench.harness import Lines, Missing, Row, manager
+from bench.pairs import Measured, Pair, medians, paired, until_tight
+from bench.placement import of_ends, processor
 from bench.raw import KINDS
 from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Pose2D, TimedPose2D
@@ -23,8 +26,9 @@ from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 
-_ROUNDS = 9
-_SETS = 5
+_ROUNDS = 3
+_SETS = 7
+_EXTRA_S = 15.0
 _CALLS = 20_000
 _COMPONENTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "components")
 _CALL_IS = "a method that calls a list of one callback"
@@ -39,31 +43,32 @@ _WAITING = {
 def _write() -> Lines:
     measured = paired(_write_us, _callbacks_us)
     what = "write to the buffer of an in port, same process"
-    yield Row(f"{what}, ratio", "us", *measured, 5.0, True, _CALL_IS)
-    yield Row(f"{what}, time", "us", *measured, 1.0, False, _CALL_IS)
+    yield Row(f"{what}, ratio", "us", measured, 5.0, True, _CALL_IS)
+    yield Row(f"{what}, time", "us", measured, 1.0, False, _CALL_IS)
 
 
 def _trip() -> Lines:
     for kind, target in (("socket", 1.5), ("zenoh", None)):
-        # How the kernel spreads processes over cores stays for their life: take fresh ones, often.
-        pairs = [pair for _ in range(_SETS) for pair in _round_trips(_SMALL, kind)]
         what = f"round trip of a TimedPose2D through two processes, beside {kind}"
-        yield Row(what, "us", *medians(pairs), target, True, f"{KINDS[kind]}, {_RAW_IS}")
+        measured, placement = round_trip(SMALL, kind)
+        floor_is = f"{KINDS[kind]}, {_RAW_IS}"
+        yield Row(what, "us", measured, target, True, floor_is, placement)
 
 
 def _image() -> Lines:
-    what = f"round trip of an image of {_IMAGE.size // 1_000_000} MB through two processes"
+    what = f"round trip of an image of {IMAGE.size // 1_000_000} MB through two processes"
     if importlib.util.find_spec("iceoryx2") is None:
         yield Missing(what, "pip install iceoryx2")
         return
-    pairs = [pair for _ in range(_SETS) for pair in _round_trips(_IMAGE, "iceoryx2")]
-    yield Row(what, "us", *medians(pairs), 1.2, True, f"{KINDS['iceoryx2']}, {_RAW_IS}")
+    measured, placement = round_trip(IMAGE, "iceoryx2")
+    floor_is = f"{KINDS['iceoryx2']}, {_RAW_IS}"
+    yield Row(what, "us", measured, 1.2, True, floor_is, placement)
 
 
 PARTS = {"write": _write, "trip": _trip, "image": _image}
 
 
-class _Trip(NamedTuple):
+class Trip(NamedTuple):
     """What travels: its module, types of both ends, size of a value [bytes], how many at a time."""
 
     module: str
@@ -73,19 +78,40 @@ class _Trip(NamedTuple):
     trips: int
 
 
-_SMALL = _Trip(
+SMALL = Trip(
     "Ping", "Ping", "Echo", len(codec_for(TimedPose2D).encode(TimedPose2D(Time(), Pose2D()))), 200
 )
-_IMAGE = _Trip("Images", "ImagePing", "ImageEcho", 1_000_000, 100)
+IMAGE = Trip("Images", "ImagePing", "ImageEcho", 1_000_000, 100)
 
 
-def _round_trips(trip: _Trip, kind: str) -> list[tuple[float, float]]:
-    with (
-        tempfile.TemporaryDirectory(prefix="rtb") as folder,
-        manager(_COMPONENTS) as tree,
-        _raw(folder, kind, trip) as raw,
-    ):
-        return pairs_of(_ping(tree, trip, os.path.join(folder, "median")), raw, _ROUNDS)
+def round_trip(trip: Trip, kind: str, python: str = sys.executable) -> tuple[Measured, str]:
+    """Measure a round trip of rtkit beside one of another kind; tell where their ends ran.
+
+    How the kernel spreads processes over processors stays for their life, so each pair is one of
+    medians that fresh processes take.
+    """
+    ours_seen: list[tuple[int, int]] = []
+    raw_seen: list[tuple[int, int]] = []
+
+    def in_fresh_processes() -> Pair:
+        with (
+            tempfile.TemporaryDirectory(prefix="rtb") as folder,
+            manager(_COMPONENTS) as tree,
+            _raw(folder, kind, trip, python) as (raw, raw_pids),
+        ):
+            ours = _ping(tree, trip, os.path.join(folder, "median"))
+            ours_pids = {process.name: process.pid for process in tree.snapshot().processes}
+            pairs = []
+            for number in range(_ROUNDS + 1):
+                pair = ours(), raw()
+                if number:  # the first is a warm-up
+                    pairs.append(pair)
+                    ours_seen.append((processor(ours_pids["p"]), processor(ours_pids["e"])))
+                    raw_seen.append((processor(raw_pids[0]), processor(raw_pids[1])))
+        return statistics.median(a for a, _ in pairs), statistics.median(b for _, b in pairs)
+
+    pairs = until_tight(in_fresh_processes, _SETS, _EXTRA_S)
+    return medians(pairs), f"rtkit: {of_ends(ours_seen)}; floor: {of_ends(raw_seen)}"
 
 
 def _write_us() -> float:
@@ -119,7 +145,7 @@ def _each_us(check: Callable[[], object], names: dict[str, object], call: str) -
     return timeit.timeit(call, globals=names, number=_CALLS) / _CALLS * 1e6
 
 
-def _ping(tree: Tree, trip: _Trip, result: str) -> Callable[[], float]:
+def _ping(tree: Tree, trip: Trip, result: str) -> Callable[[], float]:
     there = PortRef("P", "out"), PortRef("E", "into")
     back = PortRef("E", "out"), PortRef("P", "back")
     _do(
@@ -148,9 +174,11 @@ def _do(tree: Tree, *actions: Action) -> None:
 
 
 @contextmanager
-def _raw(folder: str, kind: str, trip: _Trip) -> Iterator[Callable[[], float]]:
+def _raw(
+    folder: str, kind: str, trip: Trip, python: str
+) -> Iterator[tuple[Callable[[], float], tuple[int, int]]]:
     def start(role: str) -> subprocess.Popen[str]:
-        words = [sys.executable, "-m", "bench.raw", kind, role, folder, str(trip.size)]
+        words = [python, "-m", "bench.raw", kind, role, folder, str(trip.size)]
         pipe = subprocess.PIPE
         return subprocess.Popen(words, stdin=pipe, stdout=pipe, text=True)
 
@@ -168,7 +196,7 @@ def _raw(folder: str, kind: str, trip: _Trip) -> Iterator[Callable[[], float]]:
         return float(answers.readline())
 
     try:
-        yield measure
+        yield measure, (ping.pid, echo.pid)
     finally:
         ping.communicate()
         echo.communicate(timeout=10)

@@ -12,7 +12,8 @@ from typing import Any
 
 from lxml import etree
 
-from bench.harness import Lines, Row, medians, paired, pairs_of, timed
+from bench.harness import Lines, Row, timed
+from bench.pairs import medians, paired, pairs_of
 from bench.synthetic import system
 from rtkit.profile.forms import FORMS
 from rtkit.profile.read import read_profile
@@ -53,7 +54,7 @@ def _read() -> Lines:
         what = f"largest profile of the corpus ({len(largest.read_bytes()) / 1e3:.0f} kB), read"
         data = largest.read_bytes()
         measured = paired(_reading(data), _floor(data))
-        yield Row(what, "ms", *measured, 5.0, True, _FLOOR_IS)
+        yield Row(what, "ms", measured, 5.0, True, _FLOOR_IS)
     profile = system(1000, 5000)
     yield from _large(profile)
     yield from _others(profile)
@@ -67,13 +68,13 @@ def _large(profile: RtsProfile) -> Iterator[Row]:
     data = write_profile(profile)
     what = f"1,000 components, 5,000 connectors ({len(data) / 1e6:.1f} MB)"
     pairs = pairs_of(_reading(data), _floor(data), _ROUNDS)
-    yield Row(f"{what}, read", "ms", *medians(pairs), 5.0, True, _FLOOR_IS)
-    yield Row(f"{what}, read, at most 1 s", "ms", *medians(pairs), 1000.0, False, _FLOOR_IS)
+    yield Row(f"{what}, read", "ms", medians(pairs), 5.0, True, _FLOOR_IS)
+    yield Row(f"{what}, read, at most 1 s", "ms", medians(pairs), 1000.0, False, _FLOOR_IS)
     lenient = data.replace(b' rtsExt:direction="RIGHT"', b' rtsExt:direction="right"')
     pairs = pairs_of(_reading(lenient), _floor(data), _ROUNDS)
-    yield Row(f"{what}, 1,000 repairs, read", "ms", *medians(pairs), None, True, _FLOOR_IS)
+    yield Row(f"{what}, 1,000 repairs, read", "ms", medians(pairs), None, True, _FLOOR_IS)
     pairs = pairs_of(lambda: timed(lambda: write_profile(profile)), _floor(data), _ROUNDS)
-    yield Row(f"{what}, written", "ms", *medians(pairs), None, True, _FLOOR_IS)
+    yield Row(f"{what}, written", "ms", medians(pairs), None, True, _FLOOR_IS)
 
 
 def _others(profile: RtsProfile) -> Iterator[Row]:
@@ -94,7 +95,7 @@ def _others(profile: RtsProfile) -> Iterator[Row]:
         data = write_profile(profile, form)
         what = f"the same as {form.upper()} ({len(data) / 1e6:.1f} MB), read"
         measured = paired(_reading(data), _calls(library, data), 3)
-        yield Row(what, "ms", *measured, None, True, f"{library.__module__}: parse alone")
+        yield Row(what, "ms", measured, None, True, f"{library.__module__}: parse alone")
 
 
 def _memory(profile: RtsProfile) -> Row:
@@ -111,7 +112,7 @@ def _memory(profile: RtsProfile) -> Row:
 
         measured = paired(lambda: grown("rtkit"), lambda: grown("lxml"), 3)
     what = "memory to read it, at its peak, in sizes of the file"
-    return Row(what, "x", *measured, 10.0, False, _FLOOR_IS)
+    return Row(what, "x", measured, 10.0, False, _FLOOR_IS)
 
 
 def _largest() -> Path | None:

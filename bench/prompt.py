@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import sys
 
-from bench.harness import Lines, Row, command, create, folders, manager, paired, process
+from bench.harness import Lines, Row, command, create, folders, manager, process
+from bench.pairs import paired
 from bench.query import FLOOR_IS, floor
 from rtkit.tree.client import Tree
 
@@ -61,7 +62,7 @@ def _row(what: str, line: str, bare: list[str], target: float, floor_is: str) ->
 
 def _measured(what: str, ours: list[str], bare: list[str], target: float, floor_is: str) -> Row:
     measured = paired(lambda: process(ours), lambda: process(bare))
-    return Row(f"{what}, whole process", "ms", *measured, target, False, floor_is)
+    return Row(f"{what}, whole process", "ms", measured, target, False, floor_is)
 
 
 PARTS = {"thousand": _thousand, "nobody": _nobody}

@@ -15,7 +15,8 @@ from queue import Empty, SimpleQueue
 
 import zenoh
 
-from bench.harness import Lines, Row, folders, paired, servers, timed
+from bench.harness import Lines, Row, folders, servers, timed
+from bench.pairs import alone, paired
 from rtkit.errors import Unreachable
 from rtkit.link import places, zenoh_keys
 from rtkit.link.zenoh import open_client, unix_endpoint
@@ -42,7 +43,7 @@ def _zenoh() -> Lines:
                     lambda floor=floor: _each_us(lambda: _query(bare, "bare/get", floor)),  # type: ignore[misc]
                 )
                 what = f"property: {what} over zenoh"
-                yield Row(what, "us", *measured, 1 / 0.85, True, _BARE_ZENOH_IS)
+                yield Row(what, "us", measured, 1 / 0.85, True, _BARE_ZENOH_IS)
 
 
 def _line() -> Lines:
@@ -59,16 +60,14 @@ def _line() -> Lines:
                 lambda: _each_us(lambda: client.ask("p7")),
                 lambda: _each_us(lambda: _echo(bare, line)),
             )
-            yield Row("property: GET as a line", "us", *measured, 1 / 0.6, True, _BARE_LINES_IS)
-            yield Row(
-                "property: GET as a line, time", "us", *measured, 100.0, False, _BARE_LINES_IS
-            )
+            yield Row("property: GET as a line", "us", measured, 1 / 0.6, True, _BARE_LINES_IS)
+            yield Row("property: GET as a line, time", "us", measured, 100.0, False, _BARE_LINES_IS)
             values = itertools.cycle(("2.5", "3.5"))
             measured = paired(
                 lambda: _each_us(lambda: client.ask("p7", next(values))),
                 lambda: _each_us(lambda: _echo(bare, b"SET p7 2.5\n")),
             )
-            yield Row("property: SET as a line", "us", *measured, 1 / 0.6, True, _BARE_LINES_IS)
+            yield Row("property: SET as a line", "us", measured, 1 / 0.6, True, _BARE_LINES_IS)
             with client.detach() as ours:
                 many = line * _ON_THE_WAY
                 length = len(_ask_many(ours, many, 0))
@@ -77,7 +76,7 @@ def _line() -> Lines:
                     lambda: timed(lambda: _ask_many(bare, many, len(many))) * 1e3 / _ON_THE_WAY,
                 )
                 what = f"property: GET as a line, {_ON_THE_WAY} on the way"
-                yield Row(what, "us", *measured, 100.0, False, _BARE_LINES_IS)
+                yield Row(what, "us", measured, 100.0, False, _BARE_LINES_IS)
 
 
 def _bulk() -> Lines:
@@ -92,7 +91,7 @@ def _bulk() -> Lines:
                 lambda: timed(lambda: _query(bare, f"bare/get?n={length};names={names}", None)),
             )
             what = f"property: GET of {_MANY} at once over zenoh"
-            yield Row(what, "ms", *measured, 5.0, True, _BARE_ZENOH_IS)
+            yield Row(what, "ms", measured, 5.0, True, _BARE_ZENOH_IS)
 
 
 def _very_many() -> Lines:
@@ -130,7 +129,7 @@ print((made - begin) * 1e3, (listed - made) * 1e3,
         others = sorted(pair[1][index] for pair in pairs)
         one, other = ones[2], others[2]
         label = f"property: {_VERY_MANY} in one service, {what}"
-        yield Row(label, unit, one, other, one / other, target, False, floor_is)
+        yield Row(label, unit, alone(one, other), target, False, floor_is)
 
 
 def _events() -> Lines:
@@ -165,9 +164,9 @@ def _events() -> Lines:
             )
             what = f"property: 1000 events/s to {_LISTENERS} listeners, 99 %"
             floor_is = "bare zenoh, one put for as many subscribers"
-            yield Row(f"{what} within", "us", *measured, 2.0, True, floor_is)
-            yield Row("property: those events that were lost", "", sum(lost), 0.0, 0.0, 0.0, False,
-                      "all are to come")  # fmt: skip
+            yield Row(f"{what} within", "us", measured, 2.0, True, floor_is)
+            what = "property: those events that were lost"
+            yield Row(what, "", alone(sum(lost), 0.0), 0.0, False, "all are to come")
 
 
 def _age(text: str) -> int:

@@ -19,6 +19,7 @@ from contextlib import contextmanager
 from random import Random
 
 from bench.harness import Lines, Missing, Row, manager
+from bench.pairs import Measured
 from rtkit.component.period import Period
 from rtkit.deployment.actions import Action, ChangeState, Create, SetParameters
 from rtkit.rtc.enums import Transition
@@ -52,13 +53,17 @@ def _lateness(rate: int, *, is_loaded: bool = False, has_priority: bool = False)
         figure, floor = (each[min(len(each) - 1, int(len(each) * share))] / 1e3 for each in both)
         target = None if share == 1.0 else _TARGET
         what = f"lateness of a cycle at {rate} Hz{where}, {name}"
-        yield Row(what, "us", figure, floor, figure / max(floor, 1e-3), target, True, floor_is)
+        yield Row(
+            what, "us", Measured(figure, floor, figure / max(floor, 1e-3)), target, True, floor_is
+        )
     figure, floor = (
         sum(turn[0] for turn in turns) * 1000 / sum(len(turn) - 1 + turn[0] for turn in turns)
         for turns in (ours, bare)
     )
     what = f"periods missed at {rate} Hz{where}, of 1000"
-    yield Row(what, "", figure, floor, figure / floor if floor else 1.0, None, False, floor_is)
+    yield Row(
+        what, "", Measured(figure, floor, figure / floor if floor else 1.0), None, False, floor_is
+    )
 
 
 def _drift() -> Lines:
@@ -66,7 +71,7 @@ def _drift() -> Lines:
         ours, summed = _drifts_us(rate)
         ratio = ours / summed if summed else 1.0
         what = f"drift of a context at {rate} Hz after an hour, simulated"
-        yield Row(what, "us", ours, summed, ratio, 1.0, False, _SUM_IS)
+        yield Row(what, "us", Measured(ours, summed, ratio), 1.0, False, _SUM_IS)
 
 
 PARTS = {

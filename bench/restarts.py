@@ -10,17 +10,8 @@ import time
 from collections.abc import Callable
 
 import rtkit
-from bench.harness import (
-    Lines,
-    Row,
-    create,
-    folders,
-    manager,
-    medians,
-    pairs_of,
-    start_manager,
-    until_listed,
-)
+from bench.harness import Lines, Row, create, folders, manager, start_manager, until_listed
+from bench.pairs import alone, medians, pairs_of
 from rtkit.deployment.actions import (
     Action,
     ChangeState,
@@ -52,10 +43,9 @@ def _restart() -> Lines:
         tree.perform(ChangeState("S", "0", Transition.ACTIVATE))
         pairs = pairs_of(_again(tree, subscription, numbers), _created(tree, numbers), ROUNDS)
     what = "killed slave, no wait: connected, configured, active again, from the kill"
-    yield Row(f"{what} (median)", "ms", *medians(pairs), 60.0, False, _FLOOR_IS)
+    yield Row(f"{what} (median)", "ms", medians(pairs), 60.0, False, _FLOOR_IS)
     again_ms, bare_ms = (statistics.quantiles(each, n=20)[-1] for each in zip(*pairs, strict=True))
-    ratio = again_ms / bare_ms
-    yield Row(f"{what} (95 of 100)", "ms", again_ms, bare_ms, ratio, None, False, _TAIL_IS)
+    yield Row(f"{what} (95 of 100)", "ms", alone(again_ms, bare_ms), None, False, _TAIL_IS)
 
 
 def _next_manager() -> Lines:
@@ -67,7 +57,7 @@ def _next_manager() -> Lines:
         managers.stop("manager", _PATIENCE_S)
         os.waitpid(pids[-1], 0)
     what = f"killed manager: the next one has {_COMPONENTS} components as desired, from its start"
-    yield Row(what, "ms", *metrics, 1.5, True, "start of a manager that finds nothing")
+    yield Row(what, "ms", metrics, 1.5, True, "start of a manager that finds nothing")
 
 
 PARTS = {"slave": _restart, "manager": _next_manager}

@@ -13,12 +13,12 @@ from bench.harness import (
     command,
     create,
     manager,
-    paired,
     process,
     timed,
     until_listed,
 )
 from bench.launch import made
+from bench.pairs import paired
 from bench.query import FLOOR_IS, floor
 from rtkit.deployment.actions import Action, Delete, SetParameters
 from rtkit.tree import managers
@@ -56,9 +56,7 @@ def _launched() -> Lines:
 
         measured = paired(up_s, lambda: made(COUNT) / 1e3, 2, warm_up=0)
         what = f"{COUNT:,} components in {_SLAVES} slaves"
-        yield Row(
-            f"{what}, one call, until all are Inactive", "s", *measured, 10.0, False, _MADE_IS
-        )
+        yield Row(f"{what}, one call, until all are Inactive", "s", measured, 10.0, False, _MADE_IS)
         up()
         ours, bare = [command("rtls"), "-lR", "/localhost"], floor(tree)
 
@@ -68,7 +66,7 @@ def _launched() -> Lines:
 
         measured = paired(after_change_ms, lambda: process(bare), 7)
         what = f"rtls -lR, {what}, after a change, whole process"
-        yield Row(what, "ms", *measured, 600.0, False, FLOOR_IS)
+        yield Row(what, "ms", measured, 600.0, False, FLOOR_IS)
 
 
 def _curve() -> Lines:
@@ -86,7 +84,7 @@ def _flat_row(
     many: Tree, few: Tree, what: str, there: int, add: Callable[[Tree], float], rounds: int
 ) -> Row:
     measured = paired(lambda: add(many), lambda: add(few), rounds)
-    return Row(f"{what}, {there:,}{_THERE}", "ms", *measured, _FLAT, True, _FEW_IS)
+    return Row(f"{what}, {there:,}{_THERE}", "ms", measured, _FLAT, True, _FEW_IS)
 
 
 def curves(rows: Sequence[Row | Missing]) -> str:
@@ -98,8 +96,8 @@ def curves(rows: Sequence[Row | Missing]) -> str:
         what, _, there = row.what.removesuffix(_THERE).partition(", ")
         if what != title:
             cells.append((title := what, "", ""))
-        bar = "█" * min(round(row.ratio * _BAR), _LONGEST_BAR)
-        cells.append((f"{there:>8}", f"{row.ratio:.2f} x", bar))
+        bar = "█" * min(round(row.measured.ratio * _BAR), _LONGEST_BAR)
+        cells.append((f"{there:>8}", f"{row.measured.ratio:.2f} x", bar))
     return f"\n{columns(cells)}\n" if cells else ""
 
 

@@ -20,7 +20,8 @@ from functools import partial
 
 import rtkit
 from bench.group import ask_each
-from bench.harness import Lines, Row, folders, medians, servers, timed
+from bench.harness import Lines, Row, folders, servers, timed
+from bench.pairs import medians
 from rtkit.link import places
 from rtkit.property.line import write_request
 
@@ -54,10 +55,10 @@ def _searches() -> Lines:
         chance = random.Random(1)
         pairs = [_round(client, start, chance, 0) for _ in range(_ROUNDS)]
         what = f"search of {_SERVICES} services by a live condition, {_KILLED} of them killed"
-        yield Row(what, "ms", *medians(pairs), 1000.0, False, _BARE_IS)
+        yield Row(what, "ms", medians(pairs), 1000.0, False, _BARE_IS)
         pairs = [_round(client, start, chance, _STOPPED) for _ in range(_ROUNDS)]
         what += f", {_STOPPED} stopped"
-        yield Row(what, "ms", *medians(pairs), 1000.0, False, _WAITING_IS)
+        yield Row(what, "ms", medians(pairs), 1000.0, False, _WAITING_IS)
 
 
 def _round(

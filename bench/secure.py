@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
 
-from bench.harness import Lines, Row, command, create, folders, paired, process, timed
+from bench.harness import Lines, Row, command, create, folders, process, timed
+from bench.pairs import paired
 from rtkit.keys import authority
 from rtkit.tree import managers
 from rtkit.tree.client import Tree
@@ -48,7 +49,7 @@ def _secure() -> Lines:
     with _manager() as address:
         with connect(address) as far, connect() as near:
             figures = paired(lambda: _requests(far), lambda: _requests(near))
-            yield Row("a request over TLS", "us", *figures, None, False, _LOCAL_IS)
+            yield Row("a request over TLS", "us", figures, None, False, _LOCAL_IS)
         for what, words in (
             ("rtls of 10 components over TLS, whole process", ["rtls", "{}"]),
             ("rtprint -n 1 over TLS, whole process", ["rtprint", "-n", "1", "{}/N0.rtc:out"]),
@@ -59,7 +60,7 @@ def _secure() -> Lines:
                 return process([command(name), *(each.format(place) for each in rest)])
 
             figures = paired(partial(run, f"/{address}"), partial(run, "/localhost"))
-            yield Row(what, "ms", *figures, None, False, _LOCAL_IS)
+            yield Row(what, "ms", figures, None, False, _LOCAL_IS)
 
 
 PARTS = {"tls": _secure}

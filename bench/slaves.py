@@ -19,13 +19,12 @@ from bench.harness import (
     create,
     folders,
     manager,
-    medians,
-    paired,
     process,
     start_manager,
     timed,
     until_listed,
 )
+from bench.pairs import alone, medians, paired
 from bench.processes import living, parent, processor_s, pss_mib
 from rtkit.deployment.actions import Connect
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
@@ -73,7 +72,7 @@ def _memory() -> Lines:
 
 
 def _memory_row(what: str, mib: float, bare: float, target: float) -> Row:
-    return Row(what, "MiB", mib, bare, mib / bare, target, False, _FORKS_ARE)
+    return Row(what, "MiB", alone(mib, bare), target, False, _FORKS_ARE)
 
 
 def _idle() -> Lines:
@@ -92,7 +91,7 @@ def _idle() -> Lines:
             shares = [(b - a) / _WINDOW_S * 100 for a, b in zip(before, after, strict=True)]
             pairs.append((shares[0], max(shares[1], LEAST_SHARE)))
         what = f"{COUNT} idle slaves, their manager and its zygote: processor"
-        yield Row(what, "% of a core", *medians(pairs), 2.0, False, _IDLE_IS)
+        yield Row(what, "% of a core", medians(pairs), 2.0, False, _IDLE_IS)
 
 
 @contextmanager
@@ -135,7 +134,7 @@ def _found() -> Lines:
             managers.stop("manager", 30.0)
             os.waitpid(pid, 0)
     what = f"{COUNT} slaves found again by the next manager after a kill -9, from its start"
-    yield Row(what, "s", *measured, 2.0, False, _START_IS)
+    yield Row(what, "s", measured, 2.0, False, _START_IS)
 
 
 def _start_s() -> float:
@@ -172,7 +171,7 @@ def _stop() -> Lines:
                 return forks.ask("stop", count)
 
             measured = paired(ours, bare, rounds)
-            yield Row(what, "ms", *measured, target, False, _STOPPED_ARE)
+            yield Row(what, "ms", measured, target, False, _STOPPED_ARE)
 
 
 def _stopped_ms(count: int) -> float:

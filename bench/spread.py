@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bench import far
-from bench.harness import Lines, Missing, Row, command, manager, medians, paired, process, timed
+from bench.harness import Lines, Missing, Row, command, manager, process, timed
+from bench.pairs import alone, medians, paired
 from rtkit.tree.connect import connect
 
 _COUNT = 3
@@ -131,8 +132,8 @@ def _hosts() -> Lines:
             with connect("b0/") as there, connect("manager") as here:
                 ratios = paired(lambda: _request_us(there), lambda: _request_us(here), _LISTINGS)
             what = "a link: a request to the manager there, and back"
-            yield Row(what, "us", *ratios, None, True, "the same to the manager here")
-            more_us = ratios[0] - ratios[1]
+            yield Row(what, "us", ratios, None, True, "the same to the manager here")
+            more_us = ratios.figure - ratios.floor
             yield from _beside("two linked hosts", base, "b0", *found, link_us=more_us)
 
 
@@ -146,17 +147,16 @@ def _beside(where: str, base: str, folder: str, *hosts: Any, link_us: float = 0.
         system.write()
     what = f"{_COUNT} senders and {_COUNT} receivers over {where}"
     launches = paired(spread.launch_ms, one.launch_ms, _LAUNCHES)
-    yield Row(f"{what}: rtapply, whole process", "ms", *launches, _MOST, True, _ONE_IS)
+    yield Row(f"{what}: rtapply, whole process", "ms", launches, _MOST, True, _ONE_IS)
     (listing, mib), (one_listing, one_mib) = (_at_work(each, hosts) for each in (spread, one))
-    ratio = listing / one_listing
     what_listed = f"{what}: rtls -lR /, whole process"
-    yield Row(what_listed, "ms", listing, one_listing, ratio, _MOST, True, _ONE_IS)
+    yield Row(what_listed, "ms", alone(listing, one_listing), _MOST, True, _ONE_IS)
     what_held = f"{what}: memory that it takes in all processes (PSS)"
-    yield Row(what_held, "MiB", mib, one_mib, mib / one_mib, _MOST, True, _ONE_IS)
+    yield Row(what_held, "MiB", alone(mib, one_mib), _MOST, True, _ONE_IS)
     trips = medians([(spread.trip_us(), one.trip_us() + link_us) for _ in range(_SETS)])
     what = f"round trip of a TimedPose2D over {where}"
     floor_is = f"{_ONE_IS}, and what the link adds to a request" if link_us else _ONE_IS
-    yield Row(what, "us", *trips, _MOST, True, floor_is)
+    yield Row(what, "us", trips, _MOST, True, floor_is)
 
 
 def _at_work(system: _System, hosts: Sequence[Any]) -> tuple[float, float]:

@@ -7,7 +7,8 @@ import re
 import sys
 import tempfile
 
-from bench.harness import Lines, Row, command, paired, process
+from bench.harness import Lines, Row, command, process
+from bench.pairs import paired
 from rtkit.resources import resource
 
 COMPONENTS = 1000
@@ -35,7 +36,7 @@ def _check() -> Lines:
         floor = [sys.executable, "-c", _FLOOR.format(system=system, folder=folder)]
         measured = paired(lambda: process(ours), lambda: process(floor), 7)
         what = f"check of {COMPONENTS:,} components of {TYPES * len(_PARTS)} types, whole process"
-        yield Row(what, "ms", *measured, 1000.0, False, _FLOOR_IS)
+        yield Row(what, "ms", measured, 1000.0, False, _FLOOR_IS)
 
 
 PARTS = {"check": _check}

@@ -16,7 +16,8 @@ from contextlib import contextmanager
 from functools import partial
 from typing import TypeAlias
 
-from bench.harness import Lines, Row, manager, medians
+from bench.harness import Lines, Row, manager
+from bench.pairs import medians
 from rtkit.deployment.actions import Action, ChangeState, Connect, Create, Load, SetParameters
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
@@ -54,7 +55,7 @@ def _streams(name: str) -> Lines:
         what = f"stream of {name} to {readers} reader{'s' * (readers > 1)}, for each"
         for index, part in enumerate(("", ", processor")):
             pairs = [(one[index], other[index]) for one, other in costs]
-            yield Row(f"{what}{part}", "us", *medians(pairs), None, True, _FLOOR_IS)
+            yield Row(f"{what}{part}", "us", medians(pairs), None, True, _FLOOR_IS)
 
 
 PARTS = {name.replace(" ", ""): partial(_streams, name) for name in _SIZES}

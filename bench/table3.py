@@ -21,12 +21,12 @@ from bench.harness import (
     command,
     folders,
     manager,
-    medians,
     process,
     remove,
     timed,
     until_listed,
 )
+from bench.pairs import medians
 from bench.query import floor
 from bench.sshd import Login, NoServer, server
 from rtkit.tree.client import Tree
@@ -99,7 +99,7 @@ def _rows(site: _Site, bare: list[str], missing: str) -> Lines:
         name = _name(site.table, cell)
         if cell in measured:
             floor_is = _LOGIN_IS if cell[0] in _OVER_SSH else _QUERY_IS
-            yield Row(name, "ms", *medians(measured[cell]), None, True, floor_is)
+            yield Row(name, "ms", medians(measured[cell]), None, True, floor_is)
         else:
             yield Missing(name, missing)
 
@@ -170,7 +170,7 @@ def pivots(rows: Sequence[Row | Missing]) -> str:
 
 def pivot(rows: Sequence[Row | Missing], table: str = _HERE) -> str:
     """Return what was measured as one table, nothing if that is nothing."""
-    metrics = {row.what: row.figure for row in rows if isinstance(row, Row)}
+    metrics = {row.what: row.measured.figure for row in rows if isinstance(row, Row)}
     if not any(_name(table, cell) in metrics for cell in _cells()):
         return ""
     heads = [f"{count}, {place}" for count in _COUNTS for place in _PLACES]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from bench.harness import Lines, Row, paired
+from bench.harness import Lines, Row
+from bench.pairs import paired
 
 _PICTURES = 20
 _FORMS = {"edges": "segments", "blobs": "markers", "fiducials": "markers"}
@@ -55,7 +56,7 @@ def _inactive() -> Lines:
         assert not any(vision.methods[each].runs for each in METHODS if each != name)
         floor_is = "the method called by itself on the decoded picture"
         what = f"vision: {name} of a picture of 640 x 480, two further methods inactive"
-        yield Row(what, "ms", *measured, 1.1, True, floor_is)
+        yield Row(what, "ms", measured, 1.1, True, floor_is)
 
 
 PARTS = {"inactive": _inactive}

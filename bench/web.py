@@ -17,17 +17,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from bench.harness import (
-    Lines,
-    Missing,
-    Row,
-    command,
-    create,
-    manager,
-    paired,
-    remove,
-    until_listed,
-)
+from bench.harness import Lines, Missing, Row, command, create, manager, remove, until_listed
+from bench.pairs import alone, paired
 from rtkit.deployment.actions import Action, ChangeState, Connect
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
@@ -83,7 +74,7 @@ def _ready() -> Lines:
     with manager():
         measured = paired(lambda: _ready_s(ours), lambda: _ready_s(_BARE), 7)
     what = "rtkit web, from its start to its first answer"
-    yield Row(what, "s", *measured, 0.6, False, "Starlette and uvicorn that serve one text")
+    yield Row(what, "s", measured, 0.6, False, "Starlette and uvicorn that serve one text")
 
 
 def _at_work(tree: Tree) -> None:
@@ -122,17 +113,15 @@ def _looked_at(tree: Tree, folder: str) -> Lines:
             first_s = _first_s(page, address)
             name = f"rtkit web, {_COMPONENTS} components, {_WIRES} wires at 10 Hz"
             floor = "the same page without a component"
-            ratio = first_s / alone_s
-            yield Row(f"{name}: first picture", "s", first_s, alone_s, ratio, 3.0, False, floor)
+            yield Row(f"{name}: first picture", "s", alone(first_s, alone_s), 3.0, False, floor)
             floor = "a page without anything"
             for what, begin, end in (("panning", _press, _move), ("zooming", _aim, _zoom)):
                 move_ms = _frames(page, begin, end)
-                ratio = move_ms / still_ms
-                yield Row(f"{name}: frame while {what}", "ms", move_ms, still_ms, ratio, 20.0,
+                yield Row(f"{name}: frame while {what}", "ms", alone(move_ms, still_ms), 20.0,
                           False, floor)  # fmt: skip
             share = _share(pid)
             floor = "one processor"
-            yield Row(f"{name}: its server", "%", share, 100.0, share / 100, 50.0, False, floor)
+            yield Row(f"{name}: its server", "%", alone(share, 100.0), 50.0, False, floor)
 
 
 def _first_s(page: browser.Browser, address: str) -> float:

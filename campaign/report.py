@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from bench.page import machine
+from bench.placement import machine
 from campaign.fleet import FAULTS, Setback
 from campaign.floors import Floor
 from campaign.layout import MANAGER, NAMES, SLAVES, WIRES, members
