@@ -107,6 +107,7 @@ def test_a_recording_is_a_job_until_it_is_stopped(
 ) -> None:
     file = folder / "run.mcap"
     with client.stream() as stream:
+        stream.until(lambda s: OUT in s.components)
         job = client.post("/api/record", {"ports": [PORTS[0]], "file": str(file)})
         assert job["command"] == f"rtlog --filename={file} -- {PORTS[0]}"
         while not file.exists() or not file.stat().st_size:
