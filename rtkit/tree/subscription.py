@@ -11,6 +11,7 @@ import select
 from collections import deque
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from threading import Lock
 from time import monotonic
 from typing import NamedTuple
 
@@ -74,6 +75,7 @@ class ManagerSubscription(Closing):
         """
         self.tree = tree
         self._received: deque[tuple[str, str]] = deque(maxlen=QUEUE)
+        self._lock = Lock()
         self._wakeup = Wakeup()
         self._process: int | None = None
         self._is_over = False
@@ -97,7 +99,8 @@ class ManagerSubscription(Closing):
     @property
     def facts(self) -> Snapshot:
         """Facts of the manager, as of the change taken last."""
-        return self._live.snapshot
+        with self._lock:  # another thread may take what has come
+            return self._live.snapshot
 
     def close(self) -> None:
         """Listen no more."""
@@ -157,7 +160,8 @@ class ManagerSubscription(Closing):
             return self._catch_up(delta)
         self._number = delta.number
         changes = tuple(user_events(self._live, delta))
-        self._live.apply(delta)
+        with self._lock:
+            self._live.apply(delta)
         return [TreeChange(delta.time, changes)] if changes else []
 
     def _catch_up(self, delta: Delta) -> list[ManagerEvent]:
