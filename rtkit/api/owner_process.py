@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from rtkit.api import owning
 from rtkit.api.owner_places import AGAIN_S, Found, OtherPlaces
 from rtkit.deployment.owned import MovableRule, OwnedSystem
-from rtkit.errors import RtkitError
+from rtkit.errors import RtkitError, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.link import host_links, owned_files, places
 from rtkit.link.folder_watch import FolderWatch
@@ -40,6 +40,10 @@ _WAIT_S = 30.0
 """How long a plan of somebody else is waited for [s]."""
 _TIMEOUT_S = 10.0
 _EVER_S = 1e6
+
+
+class _RecordChanged(Exception):
+    """A command has written or removed the record since it was read: it is to be read anew."""
 
 
 def main() -> None:
@@ -100,6 +104,8 @@ class SystemOwner:
                 continue
             try:
                 due += self._keep(owned)
+            except _RecordChanged:
+                due.append(now)
             except RtkitError as error:
                 self._note(owned.system, str(error))
                 self._again_at = monotonic() + AGAIN_S
@@ -132,8 +138,46 @@ class SystemOwner:
         if found.whys:
             yield found.again_at
         if owned.is_pending and self._left_out.get(owned.system) != lost:
-            self._carry_out(owned)
+            unreachable = self._carry_out(owned)
+            silent = [
+                why for each, why in unreachable.items() if split_manager(each)[1] not in lost
+            ]
+            if silent:
+                raise Unreachable("; ".join(silent))  # no link will tell when it answers again
             self._left_out[owned.system] = lost
+
+    def _replace(self, owned: OwnedSystem, made: OwnedSystem) -> OwnedSystem:
+        """Keep a record in place of the one that was read, and return it.
+
+        Raises:
+            _RecordChanged: It is another one by now.
+        """
+        self._check(owned)
+        owning.write(self._manager, made)
+        return made
+
+    def _check(self, owned: OwnedSystem) -> None:
+        """Check that a record is still what was read.
+
+        Raises:
+            _RecordChanged: It is another one by now.
+        """
+        if owning.read(self._manager, owned.system) != owned:
+            raise _RecordChanged
+
+    @contextmanager
+    def _locked(self, owned: OwnedSystem) -> Iterator[None]:
+        """Keep plans of others off while something is done by a record.
+
+        Raises:
+            _RecordChanged: Such a plan has changed it.
+        """
+        from rtkit.tree.plan_locks import PlanLocks
+
+        with self._session(owned) as session, PlanLocks(session.name, _WAIT_S, _log.info) as lock:
+            lock.take(session.tree)
+            self._check(owned)
+            yield
 
     def _note(self, system: str, why: str) -> None:
         """Note why a plan failed, which is tried again."""
@@ -171,9 +215,8 @@ class SystemOwner:
                 if why and not each.why:
                     _log.warning("%s: %s", owned.system, why)
                 made = made.with_component(name, replace(each, why=why))
-        if made != owned:
-            owning.write(self._manager, made)  # first: who is killed here goes on from there
-        return made
+        # First: who is killed here goes on from there.
+        return self._replace(owned, made) if made != owned else owned
 
     def _manager_at(self, place: str) -> str:
         """Return the manager of a host, as plans call it."""
@@ -192,19 +235,18 @@ class SystemOwner:
                     continue
                 if owned.is_pending and not self._lives(name, each.home):
                     # It could not be made there: it is to be where it was, with its connections.
-                    owned = owned.moved(name, manager, time(), is_stale=False)
-                    owned = replace(owned, is_pending=True)
-                    owning.write(self._manager, owned)
+                    back = owned.moved(name, manager, time(), is_stale=False)
+                    owned = self._replace(owned, replace(back, is_pending=True))
                     self._left_out.pop(owned.system, None)
                     break
-                with connected(manager, _TIMEOUT_S) as tree:
+                with self._locked(owned), connected(manager, _TIMEOUT_S) as tree:
                     owning.send_epoch({manager: tree}, self._manager, name, owned, _log.info)
                     if owning.end(tree, name):
                         _log.warning("%s in %s was of a past epoch, and is ended", name, manager)
                 left = tuple(other for other in each.stale if other != manager)
-                owned = owned.with_component(name, replace(each, stale=left), is_pending=True)
+                each = replace(each, stale=left)
+                owned = self._replace(owned, owned.with_component(name, each, is_pending=True))
                 self._left_out.pop(owned.system, None)
-                owning.write(self._manager, owned)
         return owned
 
     @staticmethod
@@ -228,8 +270,8 @@ class SystemOwner:
         ):
             yield session
 
-    def _carry_out(self, owned: OwnedSystem) -> None:
-        """Lead the system to where its components are to be; lost hosts are left out."""
+    def _carry_out(self, owned: OwnedSystem) -> Mapping[str, str]:
+        """Lead the system to where its components are to be; return why managers are left out."""
         from rtkit.api import planning
         from rtkit.api.plan import carry_out
         from rtkit.api.system_profiles import made
@@ -242,11 +284,13 @@ class SystemOwner:
             prepared = planning.prepare(
                 session, document, aim, is_dry=False, lock=lock, leaves_out=True
             )
+            self._check(owned)  # the locks are taken by now
             for name in owned.components:
                 owning.send_epoch(session.tree.trees, self._manager, name, owned, _log.info)
             carry_out(session, prepared, owns=False)
-        is_whole = not prepared.snapshot.unreachable
-        owning.write(self._manager, replace(owned, is_pending=not is_whole, why=""))
+        unreachable = prepared.snapshot.unreachable
+        self._replace(owned, replace(owned, is_pending=bool(unreachable), why=""))
+        return unreachable
 
 
 def _state(tree: Tree, document: SystemProfile) -> str:

@@ -277,6 +277,7 @@ def test_a_component_moves_by_request_with_its_epoch(applied: Shell, hosts: list
     moved(applied, hosts)
 
 
+@pytest.mark.timeout(180)  # what it is provisioned with takes most of it
 def test_a_host_that_was_powered_off_comes_back_bare(applied: Shell, hosts: list[FarHost]) -> None:
     hosts[0].power_off()
     moved(applied, hosts)
