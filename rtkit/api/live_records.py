@@ -30,6 +30,18 @@ _DIRECTIONS = {PortType.IN: "in", PortType.OUT: "out"}
 _GONE = "gone"
 
 
+class KnownRights(NamedTuple):
+    """Rights of the user at a manager that lets users in by their certificates.
+
+    Attributes:
+        name: Of the user, there.
+        role: See `rtkit.keys.roles`.
+    """
+
+    name: str
+    role: str
+
+
 class KnownManager(NamedTuple):
     """A manager as the page is to show it.
 
@@ -39,6 +51,7 @@ class KnownManager(NamedTuple):
         is_usual: Paths of its components on this host do not name it.
         facts: As it told them last.
         why: Why it does not answer any more; empty while it does.
+        rights: Those of the user there; None at one of the user's own, where all may be done.
     """
 
     name: str
@@ -46,6 +59,7 @@ class KnownManager(NamedTuple):
     is_usual: bool
     facts: Snapshot
     why: str = ""
+    rights: KnownRights | None = None
 
     @property
     def id(self) -> str:
@@ -96,6 +110,7 @@ def _add_manager(found: SystemRecords, manager: KnownManager, hostname: str) -> 
         "version": facts.version,
         "state": _GONE if manager.why else "up",
         "why": manager.why,
+        "rights": manager.rights and manager.rights._asdict(),
     }
     processes: dict[str, str] = {}
     for process in facts.processes:

@@ -7,13 +7,21 @@ from threading import Thread
 from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.api.live_records import KnownManager, Record, SystemRecords, records_of
+from rtkit.api.live_records import (
+    KnownManager,
+    KnownRights,
+    Record,
+    SystemRecords,
+    records_of,
+)
 from rtkit.api.observers import ManagerSeen, ObservedEvent, Observers, place_of
 from rtkit.api.rates import Rater
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.metrics import METRICS, Metrics
+from rtkit.errors import RtkitError
 from rtkit.link.places import host_name
 from rtkit.link.wakeup import Wakeup
+from rtkit.rtc.manager_address import is_address
 from rtkit.tree.subscription import SubscriptionEnded
 from rtkit.web.tool_filter import ToolFilter
 
@@ -75,6 +83,7 @@ class SystemFeed:
         self._records = SystemRecords.nothing()
         self._known: dict[str, KnownManager] = {}
         self._ended: dict[str, KnownManager] = {}
+        self._rights: dict[str, KnownRights | None] = {}
         self._gathered: list[Record] = []
         self._due: float | None = None
         self._free_at = 0.0
@@ -149,6 +158,7 @@ class SystemFeed:
 
     def _note_end(self, name: str, end: SubscriptionEnded) -> None:
         self._raters.pop(name, None)
+        self._rights.pop(name, None)  # it comes back by the certificate that is there then
         last = self._known.pop(name, None)
         if last is not None and not end.is_orderly:
             self._ended[name] = last._replace(why=end.why)
@@ -164,7 +174,11 @@ class SystemFeed:
         began = monotonic()
         self._known = {
             name: KnownManager(
-                observers.names[name], observers.places[name], not name, subscription.facts
+                observers.names[name],
+                observers.places[name],
+                not name,
+                subscription.facts,
+                rights=self._rights_at(name, observers.places[name]),
             )
             for name, subscription in observers.subscriptions.items()
         }
@@ -173,6 +187,12 @@ class SystemFeed:
         now = monotonic()
         self._due = None
         self._free_at = now + _REST * (now - began)
+
+    def _rights_at(self, name: str, place: str) -> KnownRights | None:
+        """Return what the user is at a manager; the certificate is read once a connection."""
+        if name not in self._rights:
+            self._rights[name] = _own_rights() if is_address(place) else None
+        return self._rights[name]
 
     def _rates(self) -> Record:
         """Return the rate of each connector, that of its out port, and of each component."""
@@ -208,3 +228,14 @@ def event_record(event: UserEvent, time: float, where: SeenAt, host: str) -> Rec
         "event": event.event,
         "detail": event.detail,
     }
+
+
+def _own_rights() -> KnownRights | None:
+    """Return what the certificate of this user says; None if it cannot be read any more."""
+    from rtkit.keys.authority import own
+
+    try:
+        shown = own()
+    except RtkitError:
+        return None  # it was changed since the connection was made; what is denied is told
+    return KnownRights(shown.name, shown.role)

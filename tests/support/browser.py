@@ -65,6 +65,10 @@ class Browser:
         self._do("Page.enable")
         self._do("Page.addScriptToEvaluateOnNewDocument", source=_WATCHED)
 
+    def trust_all(self) -> None:
+        """Open pages whatever certificate they show, as one who accepts it."""
+        self._do("Security.setIgnoreCertificateErrors", ignore=True)
+
     def go(self, url: str) -> None:
         """Open a page."""
         self._do("Page.navigate", url=url)

@@ -137,4 +137,5 @@ def opened_robot(commands: Commands, modules: Mapping[str, str] = NONE) -> Itera
         robot.port = robot.port_of("manager")
         assert robot.there("rtmgr -c ConsoleIn -c ConsoleOut /localhost/manager.mgr").err == ""
         yield robot
-        assert robot.there("rtmgr stop") == (0, "", "")
+        stopped = robot.there("rtmgr stop")
+        assert stopped == (0, "", ""), stopped

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import ssl
-import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from http.client import HTTPConnection, HTTPSConnection
@@ -12,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from shells import Shell
+from webkit import certified
 
 _BOUND_S = 20.0
 
@@ -63,15 +63,7 @@ def test_what_is_insecure_is_told_and_shown_and_asked_by_its_own_names(shell: Sh
 @pytest.fixture
 def pair(tmp_path: Path) -> tuple[Path, Path]:
     """A certificate for this host's names, and its key."""
-    cert, key = tmp_path / "page.crt", tmp_path / "page.key"
-    subject = ["-subj", "/CN=page", "-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1"]
-    made = ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256"]
-    subprocess.run(
-        [*made, "-nodes", "-days", "2", *subject, "-out", str(cert), "-keyout", str(key)],
-        check=True, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-    key.chmod(0o600)
-    return cert, key
+    return certified(tmp_path)
 
 
 def test_by_tls_others_are_let_in(shell: Shell, pair: tuple[Path, Path]) -> None:

@@ -17,7 +17,7 @@ export function wire(id: string, source: string, target: string): Connector {
 }
 
 export function picture(more: Partial<Picture> = {}): Picture {
-  return { revision: 1, since: 0, host: 'robot', version: '1', read_only: false, managers: [{ id: '/localhost/manager.mgr', name: 'manager', host: 'localhost', pid: 1, version: '1', state: 'up', why: '' }], processes: [], components: [], connectors: [], jobs: [], ...more };
+  return { revision: 1, since: 0, host: 'robot', version: '1', read_only: false, managers: [{ id: '/localhost/manager.mgr', name: 'manager', host: 'localhost', pid: 1, version: '1', state: 'up', why: '', rights: null }], processes: [], components: [], connectors: [], jobs: [], ...more };
 }
 
 export function change(revision: number, more: Partial<Change> = {}): Change {

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from rtkit.api.live_records import Record, SystemRecords
 from rtkit.errors import NotFound, Refused
+from rtkit.rtc.manager_address import is_address
 from rtkit.web.live.steps import (
     Action,
     CommandStep,
@@ -102,10 +103,12 @@ def stop_manager(action: Action, records: SystemRecords) -> CommandStep:
     is_kept = action.get("keep") is True
     host = _host(manager)
     kept = ("--keep",) if is_kept else ()
-    line = ("rtmgr", *kept, *_at(host), "stop", *_last(manager["name"]))
+    line = ("rtmgr", *kept, *_command_at(host, "stop", manager["name"]))
     text = f"Stop the manager {manager['id']}{_goes(held, records)}"
     if not is_kept:
         return CommandStep(text, line, None, "it forgets what it held")
+    if is_address(host):
+        return CommandStep(text, line, None, "it is started on its own host only")
     undo = {"do": "start_manager", "name": manager["name"], "host": host}
     return CommandStep(f"{text}; all comes again at its next start", line, (undo,))
 
@@ -113,11 +116,12 @@ def stop_manager(action: Action, records: SystemRecords) -> CommandStep:
 def restart_manager(action: Action, records: SystemRecords) -> CommandStep:
     """End all that a manager holds in order, and have it make all again."""
     manager = found_in(action, "manager", records.managers, "manager")
-    if _host(manager):
+    host = _host(manager)
+    if host and not is_address(host):
         raise Refused(f"{manager['id']} is on another host: restart it there")
     held = [id for id, each in records.components.items() if each["manager"] == manager["id"]]
     text = f"Restart the manager {manager['id']}{_goes(held, records)}; all comes again"
-    line = ("rtmgr", "restart", *_last(manager["name"]))
+    line = ("rtmgr", *_command_at(host, "restart", manager["name"]))
     return CommandStep(text, line, None, "what was in work has ended")
 
 
@@ -151,6 +155,11 @@ def _host(manager: Record) -> str:
 
 def _at(host: str) -> tuple[str, ...]:
     return (f"--host={host}",) if host else ()
+
+
+def _command_at(host: str, word: str, name: str) -> tuple[str, ...]:
+    """Return how a command names a manager: one reached by a certificate has an address only."""
+    return (word, "--", host) if is_address(host) else (*_at(host), word, *_last(name))
 
 
 def _goes(held: Sequence[str], records: SystemRecords) -> str:

@@ -13,7 +13,7 @@ import { POSITIONS, endKind, type ComponentNodeType } from './graph';
 const DETAIL_ZOOM = 0.45;
 const NAME_ZOOM = 0.2;
 
-export const ComponentNode = memo(function ComponentNode({ data, selected }: NodeProps<ComponentNodeType>) {
+export const ComponentNode = memo(function ComponentNode({ data, selected, isConnectable }: NodeProps<ComponentNodeType>) {
   const { component, box } = data;
   const connecting = useContext(ConnectingContext);
   const { resize, canChange } = useEditor();
@@ -32,7 +32,7 @@ export const ComponentNode = memo(function ComponentNode({ data, selected }: Nod
         {isDetailed && <span className="word">{component.word}</span>}
       </header>
       {!isDetailed && <Anchors component={component} box={box} />}
-      {isDetailed && placedPorts(component, box).map((placed) => <PortRow key={placed.port.name} component={component} placed={placed} isConnected={connected.has(placed.port.name)} />)}
+      {isDetailed && placedPorts(component, box).map((placed) => <PortRow key={placed.port.name} component={component} placed={placed} isConnected={connected.has(placed.port.name)} isConnectable={isConnectable} />)}
       {selected && resize && canChange && <NodeResizeControl position="bottom-right" className="sizer" minWidth={40} minHeight={28} />}
       {isDetailed && component.remark && <p className="remark" title={component.remark}>{component.remark}</p>}
     </div>
@@ -43,16 +43,16 @@ function takesPart(component: Component, from: string, whys: ReadonlyMap<string,
   return component.id === from || component.ports.some((port) => whys.get(portPath({ component: component.id, port: port.name })) === '');
 }
 
-interface PortRowProps { component: Component; placed: PlacedPort; isConnected: boolean }
+interface PortRowProps { component: Component; placed: PlacedPort; isConnected: boolean; isConnectable: boolean }
 
-function PortRow({ component, placed: { port, ...place }, isConnected }: PortRowProps) {
+function PortRow({ component, placed: { port, ...place }, isConnected, isConnectable }: PortRowProps) {
   const connecting = useContext(ConnectingContext);
   const why = connecting?.whys?.get(portPath({ component: component.id, port: port.name }));
   const isFrom = connecting?.from.component === component.id && connecting.from.port === port.name;
   const fit = !connecting?.whys || isFrom ? '' : why === '' ? 'fits' : 'fits-not';
   return (
     <div className={`port port-${port.direction} at-${place.side} ${isConnected ? 'is-connected' : ''} ${fit}`} style={alongSide(place)} title={`${port.name}: ${portType(port)}`} data-why={why}>
-      <Handle id={port.name} type={endKind(port)} position={POSITIONS[place.side]} />
+      <Handle id={port.name} type={endKind(port)} position={POSITIONS[place.side]} isConnectable={isConnectable} />
       <span>{port.name}</span>
     </div>
   );

@@ -2,6 +2,7 @@ import { Position, type Edge, type Node, type NodeHandle } from '@xyflow/react';
 
 import { endText } from '../model/does';
 import { placedPorts } from '../model/ports';
+import { lackingAt } from '../model/rights';
 import type { System } from '../model/system';
 import { LOOKS, portPath, type Box, type Component, type Connector, type Layout, type Look, type Manager, type Point, type Port, type PortEnd, type Process, type Side } from '../model/types';
 
@@ -104,7 +105,8 @@ export function buildNodes({ system, boxes, selection }: Scene, label: Label, ke
     if (box.kind === 'component') {
       if (!component) continue;
       const ports = (connected.get(id) ?? []).sort().join('\n');
-      nodes.push(keep(id, [component, box, isSelected, ports, label], () => componentNode(component, box, isSelected, ports, label)));
+      const isFixed = Boolean(lackingAt(system, [id], 'operator'));
+      nodes.push(keep(id, [component, box, isSelected, ports, label, isFixed], () => ({ ...componentNode(component, box, isSelected, ports, label), ...(isFixed && { connectable: false }) })));
     } else {
       const frame = frameOf(id, box, system);
       if (frame) nodes.push(keep(id, [JSON.stringify(frame), box, isSelected, component], () => frameNode(id, frame, box, isSelected, component)));

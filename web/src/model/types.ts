@@ -12,9 +12,14 @@ export const TROUBLED: ReadonlySet<Look> = new Set<Look>(['error', 'zombie', 'st
 
 export type Direction = 'in' | 'out' | 'service';
 
+/** What the user of the page is at a manager that lets users in by their certificates. */
+export interface Rights { name: string; role: 'administrator' | 'operator' | 'viewer' | 'component' }
+
 export interface Manager {
   id: string; name: string; host: string; pid: number; version: string;
   state: 'up' | 'gone'; why: string;
+  /** Null at managers of the user's own, where all may be done. */
+  rights: Rights | null;
 }
 
 export interface Process {

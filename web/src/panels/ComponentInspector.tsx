@@ -20,7 +20,7 @@ interface Props { system: System; component: Component; drafts: View['drafts'] }
 
 export function ComponentInspector({ system, component, drafts }: Props) {
   const texts = useTexts();
-  const { canChange, open, narrow } = useEditor();
+  const { canChange, canMake, open, narrow } = useEditor();
   const words = texts.inspector;
   const properties = Object.entries(component.properties);
   return (
@@ -34,7 +34,7 @@ export function ComponentInspector({ system, component, drafts }: Props) {
       <VerbButtons components={[component]} />
       <div className="buttons">
         <button type="button" onClick={() => narrow({ ...WHOLE, near: component.id })}>{texts.manage.scope.near}</button>
-        {!component.is_composite && component.look !== 'zombie' && <button type="button" disabled={!canChange} onClick={() => open({ kind: 'compose', members: [component.id] })}>{texts.manage.composites.make}</button>}
+        {!component.is_composite && component.look !== 'zombie' && <button type="button" disabled={!canMake} onClick={() => open({ kind: 'compose', members: [component.id] })}>{texts.manage.composites.make}</button>}
       </div>
       <Fields rows={[
         [words.type, <span key="type" title={component.type_id}>{component.type}</span>],

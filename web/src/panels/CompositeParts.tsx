@@ -10,7 +10,7 @@ import { Link } from './Link';
 /** What is in a composite: members, which of their ports it shows, and the way into it. */
 export function CompositeParts({ system, component }: { system: System; component: Component }) {
   const { composites: words, label } = useTexts().manage;
-  const { canChange, perform, narrow } = useEditor();
+  const { canMake, perform, narrow } = useEditor();
   const members = component.members.flatMap((id) => system.components.get(id) ?? []);
   const others = [...system.components.values()].filter((one) => one.process === component.process && one.id !== component.id && !one.composite);
   const shows = new Set(component.ports.map((port) => port.name));
@@ -26,13 +26,13 @@ export function CompositeParts({ system, component }: { system: System; componen
         {members.map((member) => (
           <li key={member.id}>
             <p className="row"><Link id={member.id} />
-              <button type="button" className="quiet" disabled={!canChange} aria-label={words.letGo(member.name)} title={words.letGo(member.name)} onClick={() => change(false, member, [])}><Icon name="close" /></button>
+              <button type="button" className="quiet" disabled={!canMake} aria-label={words.letGo(member.name)} title={words.letGo(member.name)} onClick={() => change(false, member, [])}><Icon name="close" /></button>
             </p>
             {member.ports.map(({ name }) => {
               const isShown = shows.has(`${member.name}.${name}`);
               return (
                 <label key={name} className="check">
-                  <input type="checkbox" checked={isShown} disabled={!canChange} onChange={() => change(!isShown, member, [name])} />{words.shown(name)}
+                  <input type="checkbox" checked={isShown} disabled={!canMake} onChange={() => change(!isShown, member, [name])} />{words.shown(name)}
                 </label>
               );
             })}
@@ -40,7 +40,7 @@ export function CompositeParts({ system, component }: { system: System; componen
         ))}
       </ul>
       {others.length > 0 && (
-        <select aria-label={words.takeIn} value="" disabled={!canChange} onChange={(event) => {
+        <select aria-label={words.takeIn} value="" disabled={!canMake} onChange={(event) => {
           const chosen = system.components.get(event.target.value);
           if (chosen) change(true, chosen, []);
         }}>
@@ -50,7 +50,7 @@ export function CompositeParts({ system, component }: { system: System; componen
       )}
       <div className="buttons">
         <button type="button" disabled={!members.length} onClick={() => narrow({ ...WHOLE, inside: component.id })}>{words.inside}</button>
-        <button type="button" disabled={!canChange} onClick={() => void perform([{ do: 'dissolve', component: component.id }], label.dissolve(component.name))}>{words.dissolve}</button>
+        <button type="button" disabled={!canMake} onClick={() => void perform([{ do: 'dissolve', component: component.id }], label.dissolve(component.name))}>{words.dissolve}</button>
       </div>
     </div>
   );

@@ -7,6 +7,7 @@ import { ComponentInspector } from './ComponentInspector';
 import { ConnectorInspector } from './ConnectorInspector';
 import { ManagerInspector } from './ManagerInspector';
 import { Overview } from './Overview';
+import { RightsGate, RightsNote } from './RightsGate';
 import { SelectionInspector } from './SelectionInspector';
 
 /** What is selected, and what can be done with it; an overview when nothing is. */
@@ -18,7 +19,10 @@ export function Inspector({ system, view, focusCount }: { system: System; view: 
   }, [focusCount]);
   return (
     <section className="panel inspector" aria-label={texts.inspector.title} tabIndex={-1} ref={ref}>
-      <Shown system={system} view={view} />
+      <RightsGate system={system} ids={view.selection}>
+        <RightsNote system={system} ids={view.selection} />
+        <Shown system={system} view={view} />
+      </RightsGate>
     </section>
   );
 }

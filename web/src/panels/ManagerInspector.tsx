@@ -12,7 +12,7 @@ import { VerbButtons } from './VerbButtons';
 export function ManagerInspector({ system, id }: { system: System; id: string }) {
   const texts = useTexts();
   const words = texts.inspector;
-  const { canChange, open } = useEditor();
+  const { canMake, open } = useEditor();
   const manager = system.managers.get(id);
   const process = system.processes.get(id);
   const owner = process?.manager ?? id;
@@ -25,8 +25,8 @@ export function ManagerInspector({ system, id }: { system: System; id: string })
       {why && <p className="remark">{why}</p>}
       <Counts counts={countsIn(components)} />
       <div className="buttons">
-        <button type="button" disabled={!canChange} onClick={() => open({ kind: 'create', manager: owner, slave: process?.is_slave ? process.name : '' })}>{texts.create.open}</button>
-        <button type="button" disabled={!canChange} onClick={() => open({ kind: 'load', manager: owner })}>{texts.load.open}</button>
+        <button type="button" disabled={!canMake} onClick={() => open({ kind: 'create', manager: owner, slave: process?.is_slave ? process.name : '' })}>{texts.create.open}</button>
+        <button type="button" disabled={!canMake} onClick={() => open({ kind: 'load', manager: owner })}>{texts.load.open}</button>
       </div>
       <ManagerActions system={system} manager={manager} process={process} />
       {components.length > 0 && <VerbButtons components={components} />}

@@ -11,6 +11,7 @@ import { RatesContext, useEditor } from '../shell/contexts';
 import type { Filter } from '../shell/view';
 import { useTexts } from '../texts';
 import { Link } from './Link';
+import { RightsGate } from './RightsGate';
 import { VerbButtons } from './VerbButtons';
 import { useVerbs } from './useVerbs';
 
@@ -30,13 +31,13 @@ export function TableView({ system, filter: shown }: { system: System; filter: F
       <input type="search" aria-label={words.filter} placeholder={words.filter} value={filter} onChange={(event) => setFilter({ ...shown, text: event.target.value })} />
       <Table title={words.components} heads={[words.name, words.type, words.state, words.remark, words.process, words.actions]}
         rows={components.filter((one) => matches(`${one.id} ${one.type} ${one.word} ${one.remark}`, filter))}
-        row={(one) => <ComponentRow key={one.id} component={one} />} />
+        row={(one) => <RightsGate key={one.id} system={system} ids={[one.id]}><ComponentRow component={one} /></RightsGate>} />
       <Table title={words.ports} heads={[words.component, words.port, words.direction, words.type, words.connected, words.actions]}
         rows={ports.filter(({ component, port }) => matches(`${component.id} ${port.name} ${portType(port)}`, filter))}
-        row={({ component, port }) => <PortRow key={`${component.id}:${port.name}`} system={system} component={component} port={port} />} />
+        row={({ component, port }) => <RightsGate key={`${component.id}:${port.name}`} system={system} ids={[component.id]}><PortRow system={system} component={component} port={port} /></RightsGate>} />
       <Table title={words.connectors} heads={[words.name, words.source, words.target, words.rate, words.trouble, words.actions]}
         rows={[...system.connectors.values()].filter((one) => matches(`${one.name} ${endText(one.source)} ${endText(one.target)} ${one.trouble}`, filter))}
-        row={(one) => <WireRow key={one.id} wire={one} />} />
+        row={(one) => <RightsGate key={one.id} system={system} ids={[one.id]}><WireRow wire={one} /></RightsGate>} />
     </main>
   );
 }

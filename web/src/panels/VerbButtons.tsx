@@ -9,7 +9,7 @@ const VERBS: readonly Verb[] = ['activate', 'deactivate', 'reset', 'delete'];
 /** Activate, deactivate, reset and end for one component or several; what fits none of them is greyed. */
 export function VerbButtons({ components }: { components: readonly Component[] }) {
   const texts = useTexts();
-  const { canChange } = useEditor();
+  const { canChange, canMake } = useEditor();
   const { act } = useVerbs();
   const isDead = components.every((component) => component.look === 'zombie');
   const words = { ...texts.act, delete: isDead ? texts.act.forget : texts.act.end };
@@ -17,7 +17,7 @@ export function VerbButtons({ components }: { components: readonly Component[] }
     <div className="buttons">
       {VERBS.map((verb) => (
         <button key={verb} type="button" className={verb === 'delete' ? 'danger' : ''}
-          disabled={!canChange || !components.some((component) => allows(component, verb))} onClick={() => act(components, verb)}>
+          disabled={!(verb === 'delete' ? canMake : canChange) || !components.some((component) => allows(component, verb))} onClick={() => act(components, verb)}>
           {words[verb]}
         </button>
       ))}

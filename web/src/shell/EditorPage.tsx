@@ -7,6 +7,7 @@ import { useActions } from '../actions/useActions';
 import { useToasts } from '../actions/useToasts';
 import { Canvas } from '../canvas/Canvas';
 import { removeActions, wireText } from '../model/does';
+import { lackingAt, type Needed } from '../model/rights';
 import { narrowed } from '../model/scope';
 import type { System } from '../model/system';
 import type { Notice } from '../model/types';
@@ -60,8 +61,8 @@ export function EditorPage({ token, settings, onDenied }: Props) {
   const shown = useScope(system, view.scope);
   const layout = useLayout(api, system.structure, view.folded, shown, isPast ? past.layoutAt : null, onError);
   const { asked, history, perform, remember, move } = useActions(api, toasts);
-  const canChange = link === 'up' && !live.isReadOnly && !isPast;
-  const editor = useEditorValue(api, subscriptions, isPast ? NO_VALUES : values, canChange, system, dispatch, perform, remember);
+  const canWrite = link === 'up' && !live.isReadOnly && !isPast;
+  const editor = useEditorValue(api, subscriptions, isPast ? NO_VALUES : values, canWrite, system, dispatch, perform, remember);
   useEffect(() => {
     if (link === 'denied') onDenied();
   }, [link, onDenied]);
@@ -73,12 +74,13 @@ export function EditorPage({ token, settings, onDenied }: Props) {
   };
   const selected = view.selection.flatMap((id) => system.components.get(id) ?? []);
   const [component] = selected;
+  const may = (needed: Needed) => canWrite && !lackingAt(system, view.selection, needed);
   const connect = () => {
-    if (component?.ports.length && canChange) editor.open({ kind: 'connect', from: null, to: null, component: component.id });
+    if (component?.ports.length && may('operator')) editor.open({ kind: 'connect', from: null, to: null, component: component.id });
   };
   const remove = () => {
     const actions = removeActions(view.selection, system);
-    if (actions.length && canChange) void perform(actions, removeLabel(view.selection, system, texts));
+    if (actions.length && may(actions.every((one) => one.do === 'disconnect') ? 'operator' : 'administrator')) void perform(actions, removeLabel(view.selection, system, texts));
   };
   const { dialog } = view;
   const part = useMemo(() => narrowed(system, shown), [system, shown]);
@@ -89,8 +91,8 @@ export function EditorPage({ token, settings, onDenied }: Props) {
     turn: () => editor.show(view.kind === 'table' ? 'diagram' : 'table'),
     // What lives is not seen in a room: there these keys are about what is.
     ...(isAboutWhatLives(view.kind) && {
-      undo: () => canChange && void move('undo'),
-      redo: () => canChange && void move('redo'),
+      undo: () => canWrite && void move('undo'),
+      redo: () => canWrite && void move('redo'),
     }),
     ...(!Room && {
       remove,

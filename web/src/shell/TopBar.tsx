@@ -1,4 +1,5 @@
 import { countsIn } from '../canvas/graph';
+import { suffices } from '../model/rights';
 import type { System } from '../model/system';
 import type { Entry, History, Way } from '../model/undo';
 import { Counts } from '../parts/Counts';
@@ -19,6 +20,7 @@ export function TopBar({ system, view, history, settings, onMove }: Props) {
   const texts = useTexts();
   const { open, show, arrange, togglePanel, canChange } = useEditor();
   const [undo, redo] = [history.undo.at(-1), history.redo.at(-1)];
+  const limited = [...system.managers.values()].filter(({ rights }) => !suffices(rights, 'administrator'));
   const named = ({ label, refusal }: Entry) => (refusal ? texts.bar.refused(label, refusal) : label);
   return (
     <header className="bar">
@@ -26,6 +28,7 @@ export function TopBar({ system, view, history, settings, onMove }: Props) {
         <h1><img src="/icon.svg" alt="" width="20" height="20" />rtkit <span>{system.host}</span></h1>
         <Counts counts={countsIn(system.components.values())} />
         {system.isReadOnly && <span className="badge" title={texts.link.readOnlyHint}>{texts.link.readOnly}</span>}
+        {limited.map(({ id, host, rights }) => rights && <span key={id} className="badge" title={texts.rights[rights.role === 'operator' ? 'mayNotMake' : 'mayLook'](rights.name, texts.rights.roles[rights.role], host)}>{texts.rights.at(texts.rights.roles[rights.role], host)}</span>)}
         <button type="button" className="search" onClick={() => open({ kind: 'palette' })}><Icon name="search" /><span>{texts.bar.search}</span><kbd aria-hidden="true">Ctrl K</kbd></button>
         <select aria-label={texts.bar.theme} title={texts.bar.theme} value={settings.theme} onChange={(event) => settings.setTheme(event.target.value as Theme)}>
           {(['auto', 'light', 'dark'] as const).map((theme) => <option key={theme} value={theme}>{texts.bar.themes[theme]}</option>)}

@@ -15,7 +15,11 @@ export interface Editor {
   subscriptions: Subscriptions;
   values: Values;
   /** False while the server is read-only or out of reach. */
+  canWrite: boolean;
+  /** False where the user may not change what lives either: see `RightsGate`. */
   canChange: boolean;
+  /** False where the user may not make and end things either. */
+  canMake: boolean;
   select: (ids: readonly string[]) => void;
   /** Selects one thing, unfolds what hides it and brings it to the middle. */
   reveal: (id: string) => void;
@@ -40,7 +44,7 @@ export interface Editor {
 }
 
 export function useEditorValue(
-  api: Api, subscriptions: Subscriptions, values: Values, canChange: boolean, system: System, dispatch: Dispatch<ViewEvent>, perform: Editor['perform'],
+  api: Api, subscriptions: Subscriptions, values: Values, canWrite: boolean, system: System, dispatch: Dispatch<ViewEvent>, perform: Editor['perform'],
   remember: Editor['remember'],
 ): Editor {
   const latest = useRef(system);
@@ -51,7 +55,9 @@ export function useEditorValue(
     api,
     subscriptions,
     values,
-    canChange,
+    canWrite,
+    canChange: canWrite,
+    canMake: canWrite,
     perform,
     remember,
     select: (ids) => dispatch({ kind: 'select', ids }),
@@ -69,7 +75,7 @@ export function useEditorValue(
     open: (dialog) => dispatch({ kind: 'dialog', dialog }),
     draft: (key, parameter, text) => dispatch({ kind: 'draft', key, parameter, text }),
     undraft: (key) => dispatch({ kind: 'undraft', key }),
-  }), [api, subscriptions, values, canChange, dispatch, perform, remember]);
+  }), [api, subscriptions, values, canWrite, dispatch, perform, remember]);
 }
 
 /** Events name ports, too: what is shown then is the component of the port. */

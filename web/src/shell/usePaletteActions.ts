@@ -1,4 +1,5 @@
 import { allows, zombies, type Verb } from '../model/does';
+import { lackingAt, type Needed } from '../model/rights';
 import { WHOLE, isWhole } from '../model/scope';
 import type { Component } from '../model/types';
 import type { System } from '../model/system';
@@ -27,23 +28,24 @@ export function usePaletteActions({ system, view, selected, history, settings, o
   const command = (name: string, run: () => void, note = ''): Command => ({ kind: 'action', name, note, run });
   const names = selected.map((one) => one.name).join(', ');
   const words: Record<Verb, string> = { ...texts.act, delete: texts.act.end };
-  const forSelected = !editor.canChange ? [] : [
+  const may = (needed: Needed, ids = selected.map((one) => one.id)) => editor.canWrite && !lackingAt(system, ids, needed);
+  const forSelected = !may('operator') ? [] : [
     ...(['activate', 'deactivate', 'reset'] as const).filter((verb) => selected.some((one) => allows(one, verb)))
       .map((verb) => command(words[verb], () => verbs.act(selected, verb), names)),
     ...(selected.length === 1 ? [command(texts.act.connect, onConnect, names)] : []),
-    ...(selected.length ? [command(manage.composites.make, () => editor.open({ kind: 'compose', members: selected.map((one) => one.id) }), names)] : []),
-    ...(selected.length ? [command(texts.act.end, onRemove, names)] : []),
+    ...(selected.length && may('administrator') ? [command(manage.composites.make, () => editor.open({ kind: 'compose', members: selected.map((one) => one.id) }), names)] : []),
+    ...(selected.length && may('administrator') ? [command(texts.act.end, onRemove, names)] : []),
   ];
   const [undo, redo] = [history.undo.at(-1), history.redo.at(-1)];
   return [
     ...forSelected,
     ...(undo && editor.canChange ? [command(texts.bar.undo, () => void onMove('undo'), undo.label)] : []),
     ...(redo && editor.canChange ? [command(texts.bar.redo, () => void onMove('redo'), redo.label)] : []),
-    ...(editor.canChange ? [...system.managers.values()].filter((one) => one.state === 'up').flatMap((one) => [
+    ...[...system.managers.values()].filter((one) => one.state === 'up' && may('administrator', [one.id])).flatMap((one) => [
       command(texts.create.open, () => editor.open({ kind: 'create', manager: one.id, slave: '' }), one.name),
       command(texts.load.open, () => editor.open({ kind: 'load', manager: one.id }), one.name),
       command(`${manage.managers.modules} …`, () => editor.open({ kind: 'modules', manager: one.id }), one.name),
-    ]) : []),
+    ]),
     ...(editor.canChange ? [command(manage.managers.start, () => editor.open({ kind: 'start' }))] : []),
     ...(editor.canChange && dead ? [command(manage.managers.forgetZombies(dead), () => void editor.perform([{ do: 'forget_zombies' }], manage.managers.forgetZombies(dead)))] : []),
     ...(first ? [command(manage.scope.near, () => editor.narrow({ ...WHOLE, near: first.id }), first.name)] : []),

@@ -12,7 +12,7 @@ const hasRecorded = ({ status, error }: Job): boolean => STOPPED.includes(status
 /** Records a port into a folder that was granted, by `rtlog`, until it is stopped. The recording goes on when the page is left. */
 export function Recorder({ port }: { port: string }) {
   const texts = useValuesTexts();
-  const { api, canChange, subscriptions } = useEditor();
+  const { api, canWrite, subscriptions } = useEditor();
   const [job, setJob] = useState<Job | null>(null);
   const [folders, setFolders] = useState<string[] | null>(null);
   const [problem, setProblem] = useState('');
@@ -42,7 +42,7 @@ export function Recorder({ port }: { port: string }) {
       {isRunning ? (
         <p role="status"><span className="dot" aria-hidden="true">●</span> <code>{job.command}</code> <button type="button" onClick={() => void stop()}>{texts.stop}</button></p>
       ) : folders ? <RecordForm port={port} folders={folders} onStart={start} onCancel={() => setFolders(null)} /> : (
-        <button type="button" disabled={!canChange} onClick={() => void ask()}>{texts.record}</button>
+        <button type="button" disabled={!canWrite} onClick={() => void ask()}>{texts.record}</button>
       )}
       {job && !isRunning && <p role="status">{!hasRecorded(job) ? texts.recordFailed(job.error) : texts.recorded(job.text.slice(job.text.lastIndexOf('/') + 1))}</p>}
       {problem && <p className="bad" role="alert">{problem}</p>}

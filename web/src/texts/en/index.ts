@@ -20,6 +20,12 @@ export const en = {
     readOnly: 'Read-only',
     readOnlyHint: 'The server was started with --read-only: nothing can be changed from here.',
   },
+  rights: {
+    roles: { administrator: 'administrator', operator: 'operator', viewer: 'viewer', component: 'component' },
+    at: (role: string, host: string) => `${role} at ${host}`,
+    mayLook: (name: string, role: string, host: string) => `${name} is ${role} at ${host} and may only look. Changes take the role operator; to make and end things takes administrator.`,
+    mayNotMake: (name: string, role: string, host: string) => `${name} is ${role} at ${host} and may change what is there. To make and end things takes the role administrator.`,
+  },
   locked: {
     refused: 'The server refuses this token: it is another one after each start of “rtkit web”.',
     title: 'This page needs a token',

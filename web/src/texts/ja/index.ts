@@ -21,6 +21,12 @@ export const ja: Texts = {
     readOnly: '読み取り専用',
     readOnlyHint: 'サーバーは --read-only で起動されています。ここからは何も変更できません。',
   },
+  rights: {
+    roles: { administrator: '管理者 (administrator)', operator: '操作者 (operator)', viewer: '閲覧者 (viewer)', component: 'コンポーネント (component)' },
+    at: (role, host) => `${host}: ${role}`,
+    mayLook: (name, role, host) => `${name} は ${host} では ${role} で、見ることだけができます。変更には operator、作成と終了には administrator のロールが必要です。`,
+    mayNotMake: (name, role, host) => `${name} は ${host} では ${role} で、今あるものを変更できます。作成と終了には administrator のロールが必要です。`,
+  },
   locked: {
     refused: 'サーバーがこのトークンを拒否しました。トークンは「rtkit web」を起動するたびに変わります。',
     title: 'このページにはトークンが必要です',
