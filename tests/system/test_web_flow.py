@@ -12,6 +12,8 @@ from webkit import Stream, WebClient, served
 
 OUT, IN, GOAL = "/localhost/SeqOut0.rtc", "/localhost/SeqIn0.rtc", "/localhost/Motor0.rtc"
 PORTS = [f"{OUT}:Long", f"{IN}:Long"]
+HAS_VALUES = 500
+"""Size of a recording with values; without any it has a beginning only."""
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +112,7 @@ def test_a_recording_is_a_job_until_it_is_stopped(
         stream.until(lambda s: OUT in s.components)
         job = client.post("/api/record", {"ports": [PORTS[0]], "file": str(file)})
         assert job["command"] == f"rtlog --filename={file} -- {PORTS[0]}"
-        while not file.exists() or not file.stat().st_size:
+        while not file.exists() or file.stat().st_size < HAS_VALUES:
             stream.next("rates")
         client.post(f"/api/jobs/{job['id']}/stop", {})
         while (news := stream.next("job"))["status"] is None:

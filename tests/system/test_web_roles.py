@@ -71,8 +71,8 @@ def test_a_viewer_sees_everything_and_values_flow(
         assert later["count"] > first["count"]
         file = tmp_path / "seen.mcap"
         job = client.post("/api/record", {"ports": [port], "file": str(file)})
-        while not file.exists() or file.stat().st_size < 500:
-            stream.next("rates")  # the file has a beginning before it has values
+        while not file.exists() or file.stat().st_size < 500:  # it has a beginning first
+            stream.next("rates")
         client.post(f"/api/jobs/{job['id']}/stop", {})
         while stream.next("job")["status"] is None:
             pass
