@@ -71,6 +71,7 @@ def main(
         from rtkit.extras import how_to_get
 
         raise Refused(f"the page needs starlette and uvicorn: {how_to_get('web')}") from None
+    from rtkit.web.audit.line_writer import written_aside
     from rtkit.web.guard import WebGuard
     from rtkit.web.opening import signpost
     from rtkit.web.reach import HERE, reach_of
@@ -81,13 +82,13 @@ def main(
     app.needs_reader = False  # a script may read the address, and let the page be served on
     reach = reach_of(address or HERE, port or 0, cert, key, is_insecure=is_insecure)
     token = secrets.token_urlsafe(16)
-    site = WebSite(app, folders, app.fail, is_read_only=is_read_only)
     guard = WebGuard(token, reach.names, reach.scheme, reach.is_public)
     if reach.is_public and reach.tls is None:
         app.fail(f"warning: {reach.site} is not encrypted: who listens in can take the page over")
     forget = reach.noted()
 
-    with signpost() as lead:
+    with signpost() as lead, written_aside(app.fail) as log:
+        site = WebSite(app, folders, log, is_read_only=is_read_only)
 
         def ready() -> None:
             shown = f"{reach.site}#token={token}"
