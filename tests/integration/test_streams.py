@@ -149,6 +149,27 @@ def test_a_waiting_reader_is_told_of_the_end(streams: tuple[LocalStreams, LocalS
     assert inlet.borrow() is None
 
 
+def test_descriptors_that_nobody_asked_for_are_closed(
+    streams: tuple[LocalStreams, LocalStreams],
+) -> None:
+    receiver, _ = streams
+    heard: queue.SimpleQueue[Octets] = queue.SimpleQueue()
+    endpoint, _ = receiver.receive(KEY, heard.put)
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as other, open(os.devnull) as file:
+        other.settimeout(5.0)
+        other.connect(endpoint)
+        other.send(b"rtkit data 1\n" + KEY.encode())
+        assert other.recv(1) == b"\1"
+        before = len(os.listdir("/proc/self/fd"))
+        for _ in range(20):
+            socket.send_fds(other, [b"\0value"], [file.fileno(), file.fileno()])
+            assert heard.get(timeout=5.0) == b"value"
+        assert len(os.listdir("/proc/self/fd")) <= before
+        socket.send_fds(other, [b"\2" + bytes(20)], [file.fileno()])  # it is no memory
+        assert other.recv(1) == b""
+        assert len(os.listdir("/proc/self/fd")) <= before
+
+
 @pytest.mark.parametrize("rubbish", [b"", b"?", b"\2", b"\2" + bytes(40), b"\5" + bytes(4)])
 def test_rubbish_ends_its_connection_only(
     streams: tuple[LocalStreams, LocalStreams], rubbish: bytes

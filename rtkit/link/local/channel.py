@@ -17,6 +17,7 @@ FORGET  slot                                    no value will come in that slot 
 
 from __future__ import annotations
 
+import os
 import select
 import socket
 import struct
@@ -25,7 +26,7 @@ from array import array
 from collections import deque
 from contextlib import suppress
 from threading import Lock
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from rtkit.link.ends import Octets, Payload
 from rtkit.link.local.slots import SeenSlots, Slot, SlotPool
@@ -52,6 +53,7 @@ NOW = int(socket.MSG_DONTWAIT)
 _MOST_HELD = 16
 _MOST_HELD_BYTES = 32 << 20
 _LEAST_HELD = 2
+Ancillary: TypeAlias = "list[tuple[int, int, bytes]]"
 _GLANCE_S = 0.02
 _IN_TRANSIT = 2
 """How many more values than a reader keeps may be on their way."""
@@ -65,6 +67,19 @@ def most_held(size: int) -> int:
 def size_of(value: Payload) -> int:
     """Return the size of what is sent [bytes]."""
     return sum(map(len, value)) if isinstance(value, list) else len(value)
+
+
+def take_passed(passed: Ancillary, most: int) -> list[int]:
+    """Return the descriptors that came with a packet; close those that nobody asked for."""
+    found = [
+        descriptor
+        for level, kind, octets in passed
+        if (level, kind) == (socket.SOL_SOCKET, socket.SCM_RIGHTS)
+        for descriptor in array("i", octets[: len(octets) // 4 * 4])
+    ]
+    for descriptor in found[most:]:
+        os.close(descriptor)
+    return found[:most]
 
 
 class Packet(NamedTuple):
@@ -273,6 +288,8 @@ class Channel:
             if state & _CUT:
                 raise ValueError("a packet that is too large")
             kind = data[:1]
+            if passed and kind != SLOT:
+                take_passed(passed, most=0)
             if kind == VALUE:
                 return Packet(VALUE, NONE, data[1:])
             try:
@@ -282,16 +299,14 @@ class Channel:
             if packet is not None:
                 return packet
 
-    def _read(
-        self, kind: bytes, data: bytes, passed: list[tuple[int, int, bytes]]
-    ) -> Packet | None:
+    def _read(self, kind: bytes, data: bytes, passed: Ancillary) -> Packet | None:
         if kind == COUNTED:
             (number,) = _NUMBER.unpack_from(data, 1)
             return Packet(VALUE, number, data[1 + _NUMBER.size :])
         if kind == SLOT:
             slot, size, number = _SLOT.unpack_from(data, 1)
-            for _, _, descriptors in passed:
-                self._seen.learn(slot, array("i", descriptors[:4])[0])
+            for descriptor in take_passed(passed, most=1):
+                self._seen.learn(slot, descriptor)
             return Packet(VALUE, number, self._value_in(slot, size))
         if kind in (LOST, MARK):
             return Packet(kind, *_NUMBER.unpack_from(data, 1))

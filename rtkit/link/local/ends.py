@@ -107,12 +107,12 @@ class LocalOutlet(Outlet):
 
     def offer(self, value: Payload) -> bool:
         """See `Outlet.offer`."""
-        if self._sent is not None:
-            return self.put(value)
         try:
-            self._channel.send(value)
+            self._channel.send(value, NONE if self._sent is None else self._sent.value)
         except (Full, OSError):
             return False
+        if self._sent is not None:
+            self._sent.next()
         return True
 
     def flush(self, timeout_s: float) -> bool:

@@ -14,7 +14,6 @@ import socket
 import struct
 import threading
 import time
-from array import array
 from collections.abc import Callable, Sequence
 from functools import partial
 from weakref import WeakSet
@@ -31,7 +30,7 @@ from rtkit.link.ends import (
     Outlet,
     Streams,
 )
-from rtkit.link.local.channel import Channel
+from rtkit.link.local.channel import Channel, take_passed
 from rtkit.link.local.ends import (
     AnsweringEnd,
     LocalCaller,
@@ -201,7 +200,7 @@ class LocalStreams(Streams):
         except OSError:
             connection.close()
             return
-        descriptors = [array("i", each[2][:4])[0] for each in passed]
+        descriptors = take_passed(passed, most=1)
         try:
             self._join(connection, data, descriptors)
         finally:
