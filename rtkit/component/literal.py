@@ -185,7 +185,8 @@ def _member(layout: EnumLayout, data: Any, where: str) -> Any:
 
 
 def _wrong(where: str, data: Any, wanted: str) -> NoReturn:
-    raise Malformed(f"{where}: {_short(json.dumps(data))} is not a value of type {wanted}")
+    given = _short(json.dumps(data, ensure_ascii=False))
+    raise Malformed(f"{where}: {given} is not a value of type {wanted}")
 
 
 def _short(text: str) -> str:

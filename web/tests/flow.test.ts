@@ -23,10 +23,14 @@ describe('values on wires', () => {
     expect(pressureAt(at, 'other')).toBeNull();
   });
   it('are stale when they came, and come no more', () => {
-    expect(isStale(0, sample('1'))).toBe(true);
-    expect(isStale(0, { count: 0, at: null })).toBe(false);
-    expect(isStale(10, sample('1'))).toBe(false);
-    expect(isStale(null, sample('1'))).toBe(false);
+    expect(isStale(0, sample('1'), 101)).toBe(true);
+    expect(isStale(0, { count: 0, at: null }, 101)).toBe(false);
+    expect(isStale(10, sample('1'), 101)).toBe(false);
+  });
+  it('are stale after a while where a process that stands still tells no rate', () => {
+    expect(isStale(null, sample('1'), 101)).toBe(false);
+    expect(isStale(null, sample('1'), 110)).toBe(true);
+    expect(isStale(null, { count: 1, at: null }, 110)).toBe(false);
   });
   it('become curves, the fields of the last one', () => {
     const samples = [sample('', { a: 1 }), sample('', { a: 2, b: null }, { at: 101 })];

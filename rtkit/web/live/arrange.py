@@ -28,6 +28,7 @@ from rtkit.drawing.scene import (
 )
 
 _TURN = 8
+_SIGN = "●"
 
 
 class _Found(NamedTuple):
@@ -47,7 +48,7 @@ def arranged(records: SystemRecords, folded: Collection[str] = ()) -> Record:
 
 def placed(drawing: LiveDrawing, folded: Collection[str] = ()) -> Record:
     """Return where the boxes and wires of a drawing are [pixel], by their ids."""
-    numbered = (box._replace(tip=str(n)) for n, box in enumerate(drawing.scene.boxes))
+    numbered = (_with_room(box)._replace(tip=str(n)) for n, box in enumerate(drawing.scene.boxes))
     whole = framed(drawing.scene._replace(boxes=tuple(numbered)))
     layout = laid_out(whole)
     found = _Found(drawing, folded, {}, {}, {})
@@ -58,6 +59,13 @@ def placed(drawing: LiveDrawing, folded: Collection[str] = ()) -> Record:
         "boxes": found.boxes,
         "paths": apart(drawing.scene.wires, found.paths),
     }
+
+
+def _with_room(box: Box) -> Box:
+    """Return a box with room for the sign of its state, which stands in no picture but the page."""
+    if box.is_group:
+        return box
+    return box._replace(title=f"{_SIGN} {box.title}", subtitle=f"{_SIGN} {box.subtitle}")
 
 
 def part_of(records: SystemRecords, shown: Collection[str]) -> SystemRecords:

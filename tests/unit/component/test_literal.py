@@ -74,6 +74,7 @@ def test_values(cls, text, value):
         (TimedLong, '"3"', 'TimedLong.data: "3" is not a value of type int32'),
         (TimedLong, "true", "TimedLong.data: true"),
         (TimedLong, "3.5", "TimedLong.data: 3.5"),
+        (TimedLong, '"zwölf"', 'TimedLong.data: "zwölf" is not a value of type int32'),
         (TimedLong, "3000000000", "TimedLong.data: 3000000000 is not a value of type int32"),
         (TimedLong, "null", "TimedLong.data: null"),
         (timed.TimedDouble, "1" + "0" * 400, "TimedDouble.data"),

@@ -20,7 +20,7 @@ export const WireLabel = memo(function WireLabel({ wire, hz, x, y, room }: Props
   const now = useNow();
   const most = Math.min(Math.max(Math.floor(room / SIGN), LEAST), MOST);
   const value = shortValue(sample, most);
-  const since = isStale(hz, sample) && sample?.at ? age(sample.at, now) : '';
+  const since = isStale(hz, sample, now) && sample?.at ? age(sample.at, now) : '';
   // Signs tell what is amiss also where there is no room for numbers: those are in the inspector.
   const amiss = pressure?.dropped ? { sign: '▼', text: `▼ ${pressure.dropped}` } : pressure?.isTight ? { sign: '▤', text: `▤ ${pressure.waiting}/${pressure.length}` } : null;
   const flow = [wire.trouble && '⚠', since ? `◷ ${since}` : hz !== null && rateText(hz)].filter(Boolean).join(' ');

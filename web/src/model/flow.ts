@@ -22,8 +22,14 @@ export function pressureAt(sample: Sample | undefined, connector: string): Press
   return { waiting, length, dropped, isTight: length > 1 && waiting * 2 > length };
 }
 
-/** A flow has dried up when it has brought values, and brings none now. */
-export const isStale = (hz: number | null, sample: Sample | undefined): boolean => hz === 0 && sample !== undefined && (sample.count > 0 || sample.at !== null);
+/** After this without a value a flow of unknown rate has dried up [s]. */
+const STALE_AFTER = 5;
+
+/** A flow has dried up when it has brought values, and brings none now; a process that stands still tells no rate. */
+export function isStale(hz: number | null, sample: Sample | undefined, now: number): boolean {
+  if (!sample || (!sample.count && sample.at === null)) return false;
+  return hz === null ? sample.at !== null && now - sample.at > STALE_AFTER : hz === 0;
+}
 
 /** Columns for a plot of one port: times, then the numbers of each field; null where a value has none. */
 export interface Curves { names: string[]; times: number[]; columns: (number | null)[][] }

@@ -120,7 +120,7 @@ export function EditorPage({ token, settings, onDenied }: Props) {
                 <Canvas system={part} shown={shown} layout={layout} view={view} onOpen={openInspector}
                   onConnect={(from, to) => editor.open({ kind: 'connect', from, to, component: from.component })} />
               )}
-              {!(layout && system.components.size) && <p className="empty">{system.isKnown && !system.components.size ? texts.canvas.empty : link === 'connecting' ? texts.link.connecting : texts.canvas.loading}</p>}
+              {!(layout && system.components.size) && <p className="empty">{system.isKnown && !system.components.size ? (system.managers.size ? texts.canvas.emptyManager : texts.canvas.empty) : link === 'connecting' ? texts.link.connecting : texts.canvas.loading}</p>}
             </main>
           )}
           {panels.inspector && <Inspector system={system} view={view} focusCount={focusCount} />}

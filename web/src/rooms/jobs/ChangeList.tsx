@@ -34,10 +34,10 @@ export function ChangeList() {
             {shown.map((change) => (
               <tr key={change.id}>
                 <td className="time">{clock(change.time, true)}</td>
-                <td>{author(change)}</td>
+                <td className="author">{author(change)}</td>
                 <td>{change.text}{change.count > 1 && <span className="note"> {texts.values(change.count)}</span>}{change.error && <><br /><span className="bad">{texts.changeFailed(change.error)}</span></>}<br /><code>{change.command}</code></td>
                 <td className="value">{change.old}</td>
-                <td className="value">{change.new}</td>
+                <td className="value">{change.error ? change.old : change.new}</td>
               </tr>
             ))}
           </tbody>

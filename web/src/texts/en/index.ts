@@ -46,11 +46,12 @@ export const en = {
   canvas: {
     label: 'Diagram of components and connectors',
     empty: 'No component runs. Start a manager with “rtmgr start”, or load a system with “rtapply”.',
+    emptyManager: 'No component runs. Select a manager to create one, or bring up a system by “Plans”.',
     loading: 'Drawing …',
     fold: (name: string) => `Fold ${name}`, unfold: (name: string) => `Unfold ${name}`,
     
     kinds: { manager: 'manager', process: 'slave', composite: 'composite', component: 'component' },
-    component: (name: string, type: string, state: string, ports: number) => `${name}, ${type}, ${state}, ${ports} ports`,
+    component: (name: string, type: string, state: string, ports: number) => `${name}, ${type}, ${state}, ${ports === 1 ? '1 port' : `${ports} ports`}`,
     wire: (source: string, target: string) => `Connector from ${source} to ${target}`,
     components: (n: number) => (n === 1 ? '1 component' : `${n} components`),
     release: 'Release on a lit port to connect.',

@@ -47,6 +47,7 @@ export const ja: Texts = {
   canvas: {
     label: 'コンポーネントとコネクタの図',
     empty: '動作中のコンポーネントはありません。「rtmgr start」でマネージャを起動するか、「rtapply」でシステムを読み込んでください。',
+    emptyManager: '動作中のコンポーネントはありません。マネージャを選択してコンポーネントを作成するか、「計画」でシステムを起動してください。',
     loading: '描画しています…',
     fold: (name) => `${name} を折りたたむ`, unfold: (name) => `${name} を展開する`,
     
