@@ -48,12 +48,15 @@ def no_link(path: str, flags: int) -> int:
 
 
 def _files(folders: Sequence[str], endings: tuple[str, ...]) -> Iterator[str]:
+    """Yield the paths of files; those of a folder within another one that is granted, once."""
+    found = set[str]()
     for folder in folders:
         for at, below, names in os.walk(folder):
             below[:] = sorted(each for each in below if not each.startswith("."))
             for name in sorted(names):
                 path = os.path.join(at, name)
-                if name.endswith(endings) and not os.path.islink(path):
+                if name.endswith(endings) and path not in found and not os.path.islink(path):
+                    found.add(path)
                     yield path
 
 

@@ -33,6 +33,12 @@ def test_files_in_the_folder_are_granted(folder: Path) -> None:
         granted(fresh, [str(folder)])
 
 
+def test_a_file_is_found_once_in_folders_within_each_other(folder: Path) -> None:
+    (folder / "below" / "arm.xml").touch()
+    found = profiles_in([str(folder), str(folder / "below")])
+    assert found == [str(folder / "below" / "arm.xml"), str(folder / "robot.xml")]
+
+
 @pytest.mark.parametrize("is_new", [False, True])
 @pytest.mark.parametrize(
     "path",
