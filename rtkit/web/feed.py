@@ -123,14 +123,15 @@ class SystemFeed:
             self._gathered += [
                 each for event in events for each in self._happened(observers, event)
             ]
-            has_metrics = any(isinstance(each.event, Metrics) for each in events)
+            # Of a manager that has gone nothing flows any more.
+            has_rates = any(isinstance(e.event, Metrics | SubscriptionEnded) for e in events)
             has_news = not all(isinstance(each.event, Metrics) for each in events)
             if self._due is None and (has_news or self._is_old(observers)):
                 self._due = self._free_at
             if self._due is not None and monotonic() >= self._due:
                 self._look(observers)
                 self._publish_all(None)
-            if has_metrics:
+            if has_rates:
                 self._publish_all(self._rates())
 
     def _is_old(self, observers: Observers) -> bool:

@@ -285,7 +285,7 @@ def test_a_service_that_hangs_or_is_dead_holds_up_nothing(
     until(lambda: any("timeout" in entry[3] for entry in client.get("butler.log")))
     assert time.monotonic() - begun < 5.0
     failed = [entry[3] for entry in client.get("butler.log") if entry[2] == "failed"]
-    assert any(each.startswith("nobody/here.speed: no-service: ") for each in failed)
+    assert any(each.startswith("nobody/here.speed: no-service: no service ") for each in failed)
     assert any(each.startswith("house/light.on: timeout: ") for each in failed)
     light._is_free.set()
 

@@ -64,6 +64,19 @@ def test_the_dead_look_dead_and_return(pair: Shell) -> None:
         stream.until(lambda s: bool(s.managers))
 
 
+def test_nothing_flows_where_the_manager_was_killed(pair: Shell) -> None:
+    pair.ok(f"rtcon -i one {IN}:out {OUT}:in")
+    pair.ok(f"rtact {IN}")
+    with served(pair) as client, client.stream() as stream:
+        while not stream.next("rates")["connectors"].get("one", {}).get("hz"):
+            pass
+        (known,) = stream.managers.values()
+        os.kill(known["pid"], signal.SIGKILL)
+        while "one" in stream.next("rates")["connectors"]:
+            pass
+        stream.until(lambda s: s.components[IN]["look"] == "unreachable")
+
+
 def test_each_action_does_what_its_line_says_and_is_taken_back(pair: Shell) -> None:
     with served(pair) as client, client.stream() as stream:
         stream.until(lambda s: OUT in s.components)

@@ -135,8 +135,12 @@ class ServiceLink:
                 self._copy(self._resolved(send.get), target)
             else:
                 self._client.set(target, send.value)
-        except (rtkit.PropertyError, ValueError) as error:
-            self._failed(send.target, f"{getattr(error, 'code', 'bad-value')}: {error}")
+        except rtkit.PropertyError as error:
+            why = f"{error.code}: {error}"
+            # Most errors begin with the property and the code by themselves.
+            self._failed(send.target, why.removeprefix(f"{error.code}: {send.target}: "))
+        except ValueError as error:
+            self._failed(send.target, f"bad-value: {error}")
 
     def _copy(self, source: str, target: str) -> None:
         """Set a property to what another one is, bytes as bytes; many of them in blocks."""
