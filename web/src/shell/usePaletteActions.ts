@@ -51,7 +51,7 @@ export function usePaletteActions({ system, view, selected, history, settings, o
     ...(first ? [command(manage.scope.near, () => editor.narrow({ ...WHOLE, near: first.id }), first.name)] : []),
     ...(isWhole(view.scope) ? [] : [command(manage.scope.all, () => editor.narrow(WHOLE))]),
     command(texts.exporting.open, () => editor.open({ kind: 'export' })),
-    ...ROOM_KINDS.filter((kind) => kind !== view.kind).map((kind) => command(texts.bar.rooms[kind], () => editor.show(kind))),
+    ...ROOM_KINDS.filter((kind) => kind !== view.kind).map((kind) => command(texts.bar.rooms[kind], () => editor.show(kind), kind === 'plan' ? texts.bar.plansFor : '')),
     view.kind === 'table' ? command(texts.bar.diagram, () => editor.show('diagram')) : command(texts.bar.table, () => editor.show('table')),
     ...(view.placed.size ? [command(texts.bar.arrange, editor.arrange)] : []),
     ...(['auto', 'light', 'dark'] as const).filter((theme) => theme !== settings.theme).map((theme) => command(`${texts.bar.theme}: ${texts.bar.themes[theme]}`, () => settings.setTheme(theme))),

@@ -35,7 +35,7 @@ export const en = {
   },
 
   bar: {
-    search: 'Search or do …', views: 'View', rooms: { plan: 'Plans', document: 'Offline', properties: 'Properties', log: 'Log', jobs: 'Jobs', machine: 'State machines', builder: 'Builder' }, roomLoading: 'Loading …', diagram: 'Diagram', table: 'Table',
+    search: 'Search or do …', views: 'View', rooms: { plan: 'Plans', document: 'Offline', properties: 'Properties', log: 'Log', jobs: 'Jobs', machine: 'State machines', builder: 'Builder' }, plansFor: 'save, apply, restore, compare', roomLoading: 'Loading …', diagram: 'Diagram', table: 'Table',
     undo: 'Undo', redo: 'Redo', arrange: 'Arrange', fit: 'Fit', zoomIn: 'Zoom in', zoomOut: 'Zoom out',
     help: 'Keys', theme: 'Colours', themes: { auto: 'Auto', light: 'Light', dark: 'Dark' },
     languageLabel: 'Language', tree: 'Tree', inspector: 'Inspector', events: 'Events',

@@ -36,7 +36,7 @@ export const ja: Texts = {
   },
 
   bar: {
-    search: '検索または実行…', views: '表示', rooms: { plan: '計画', document: 'オフライン', properties: 'プロパティ', log: 'ログ', jobs: 'ジョブ', machine: '状態機械', builder: 'ビルダー' }, roomLoading: '読み込み中…', diagram: '図', table: '表',
+    search: '検索または実行…', views: '表示', rooms: { plan: '計画', document: 'オフライン', properties: 'プロパティ', log: 'ログ', jobs: 'ジョブ', machine: '状態機械', builder: 'ビルダー' }, plansFor: '保存、適用、復元、比較', roomLoading: '読み込み中…', diagram: '図', table: '表',
     undo: '元に戻す', redo: 'やり直す', arrange: '整列', fit: '全体表示', zoomIn: '拡大', zoomOut: '縮小',
     help: 'キー', theme: '配色', themes: { auto: '自動', light: 'ライト', dark: 'ダーク' },
     languageLabel: '言語', tree: 'ツリー', inspector: 'インスペクタ', events: 'イベント',
