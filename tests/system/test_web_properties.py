@@ -100,14 +100,14 @@ def canary(callers: list[str]) -> Iterator[int]:
 
 @pytest.fixture(scope="module")
 def home(shared_shell: Shell, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
-    """The home without a machine for its butler: its robots stand until somebody drives them."""
+    """The home without its butler: its robots stand until somebody drives them."""
     shell, callers = shared_shell, list[str]()
     shell.environment["RTKIT_MODULE_PATH"] += f":{ROOT / 'examples'}"
     (shell.folder / "files").mkdir()
     (shell.folder / "lab.py").write_text(LAB)
     shell.ok("rtmgr start")
     given = f"--set files={shell.folder}/files --set home={HOME}/home.json"
-    applied = shell.run(f"rtapply {given} {HOME}/system.yaml")
+    applied = shell.run(f"rtapply --without butler {given} {HOME}/system.yaml")
     assert applied.status == 0, applied.err
     with canary(callers) as port:
         (shell.folder / "hostile.html").write_text(HOSTILE.replace("CANARY", str(port)))
@@ -374,7 +374,6 @@ def test_axe_finds_no_barrier(home: Site) -> None:
         page.look(is_dark=is_dark)
         for of, part in (
             ("robots/r1", "rt-map polygon"),
-            ("home/butler", "rt-choice"),
             ("/localhost/r1.rtc", "rt-choice"),
             ("page:home/files.drive.page", "rt-slider"),
         ):

@@ -58,7 +58,11 @@ class SlaveConnections:
             os.close(self._spare)
 
     def _register(self, source: Any, react: Callable[[int], object]) -> None:
-        self._selector.register(source, _READ, react)
+        try:
+            self._selector.register(source, _READ, react)
+        except KeyError:  # of a descriptor that was closed since, whose number this one has now
+            self._selector.unregister(source)
+            self._selector.register(source, _READ, react)
 
     def send(self, key: int, message: Mapping[str, Any]) -> None:
         """Send a message to the container of a slave."""

@@ -90,7 +90,7 @@ def warm_up(log: Log, settings: Any) -> None:
         listener.bind(more[2])
         listener.listen(1)
         log.begin()
-        other = _Other(more[3])
+        other = _Other(f"{pattern.removesuffix('.data')}.other")
         stack.callback(other.close)
         stage = _Stage(place, more[2], other)
         stage.show(Heartbeats(paths[1]), CheckpointWriter(more[1], "rehearsal"))

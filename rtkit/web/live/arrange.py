@@ -65,7 +65,8 @@ def _with_room(box: Box) -> Box:
     """Return a box with room for the sign of its state, which stands in no picture but the page."""
     if box.is_group:
         return box
-    return box._replace(title=f"{_SIGN} {box.title}", subtitle=f"{_SIGN} {box.subtitle}")
+    subtitle = f"{_SIGN} {box.subtitle}" if box.subtitle else ""
+    return box._replace(title=f"{_SIGN} {box.title}", subtitle=subtitle)
 
 
 def part_of(records: SystemRecords, shown: Collection[str]) -> SystemRecords:
