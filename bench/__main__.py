@@ -45,7 +45,10 @@ GROUPS = (
     "secure",
     "web",
     "table3",
+    "peers",
 )
+_NAMED_ONLY = {"peers"}
+"""Groups that are measured when they are named only: they need a package index."""
 _BUSY = 0.5
 """Load average of a machine that is not quite at rest."""
 
@@ -65,7 +68,7 @@ def main(arguments: list[str]) -> int:
         print("\n".join(parts))
         return 0
     chosen: dict[str, Part] = {}
-    for wanted in options.names or GROUPS:
+    for wanted in options.names or [each for each in GROUPS if each not in _NAMED_ONLY]:
         found = {key: part for key, part in parts.items() if f"{key}/".startswith(f"{wanted}/")}
         if not found:
             print(f"nothing is measured as {wanted}; there is {', '.join(parts)}", file=sys.stderr)

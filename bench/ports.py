@@ -10,8 +10,9 @@ import sys
 import tempfile
 import timeit
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import NamedTuple
+from contextlib import AbstractContextManager, contextmanager
+from functools import partial
+from typing import NamedTuple, TypeAlias
 
 from bench.harness import Lines, Missing, Row, manager
 from bench.pairs import Measured, Pair, medians, paired, until_tight
@@ -50,7 +51,7 @@ def _write() -> Lines:
 def _trip() -> Lines:
     for kind, target in (("socket", 1.5), ("zenoh", None)):
         what = f"round trip of a TimedPose2D through two processes, beside {kind}"
-        measured, placement = round_trip(SMALL, kind)
+        measured, placement = round_trip(SMALL, partial(raw, kind))
         floor_is = f"{KINDS[kind]}, {_RAW_IS}"
         yield Row(what, "us", measured, target, True, floor_is, placement)
 
@@ -60,7 +61,7 @@ def _image() -> Lines:
     if importlib.util.find_spec("iceoryx2") is None:
         yield Missing(what, "pip install iceoryx2")
         return
-    measured, placement = round_trip(IMAGE, "iceoryx2")
+    measured, placement = round_trip(IMAGE, partial(raw, "iceoryx2"))
     floor_is = f"{KINDS['iceoryx2']}, {_RAW_IS}"
     yield Row(what, "us", measured, 1.2, True, floor_is, placement)
 
@@ -84,34 +85,40 @@ SMALL = Trip(
 IMAGE = Trip("Images", "ImagePing", "ImageEcho", 1_000_000, 100)
 
 
-def round_trip(trip: Trip, kind: str, python: str = sys.executable) -> tuple[Measured, str]:
-    """Measure a round trip of rtkit beside one of another kind; tell where their ends ran.
+Floor: TypeAlias = Callable[
+    [str, Trip], AbstractContextManager[tuple[Callable[[], float], tuple[int, int]]]
+]
+"""Runs two ends with a folder of theirs; gives what measures a round trip, and their pids."""
+
+
+def round_trip(trip: Trip, floor: Floor) -> tuple[Measured, str]:
+    """Measure a round trip of rtkit beside another; tell where their ends ran.
 
     How the kernel spreads processes over processors stays for their life, so each pair is one of
     medians that fresh processes take.
     """
     ours_seen: list[tuple[int, int]] = []
-    raw_seen: list[tuple[int, int]] = []
+    bare_seen: list[tuple[int, int]] = []
 
     def in_fresh_processes() -> Pair:
         with (
             tempfile.TemporaryDirectory(prefix="rtb") as folder,
             manager(_COMPONENTS) as tree,
-            _raw(folder, kind, trip, python) as (raw, raw_pids),
+            floor(folder, trip) as (bare, bare_pids),
         ):
             ours = _ping(tree, trip, os.path.join(folder, "median"))
             ours_pids = {process.name: process.pid for process in tree.snapshot().processes}
             pairs = []
             for number in range(_ROUNDS + 1):
-                pair = ours(), raw()
+                pair = ours(), bare()
                 if number:  # the first is a warm-up
                     pairs.append(pair)
                     ours_seen.append((processor(ours_pids["p"]), processor(ours_pids["e"])))
-                    raw_seen.append((processor(raw_pids[0]), processor(raw_pids[1])))
+                    bare_seen.append((processor(bare_pids[0]), processor(bare_pids[1])))
         return statistics.median(a for a, _ in pairs), statistics.median(b for _, b in pairs)
 
     pairs = until_tight(in_fresh_processes, _SETS, _EXTRA_S)
-    return medians(pairs), f"rtkit: {of_ends(ours_seen)}; floor: {of_ends(raw_seen)}"
+    return medians(pairs), f"rtkit: {of_ends(ours_seen)}; floor: {of_ends(bare_seen)}"
 
 
 def _write_us() -> float:
@@ -174,9 +181,11 @@ def _do(tree: Tree, *actions: Action) -> None:
 
 
 @contextmanager
-def _raw(
-    folder: str, kind: str, trip: Trip, python: str
+def raw(
+    kind: str, folder: str, trip: Trip, python: str = sys.executable
 ) -> Iterator[tuple[Callable[[], float], tuple[int, int]]]:
+    """Run two bare ends; yield what measures a round trip of theirs, and their process ids."""
+
     def start(role: str) -> subprocess.Popen[str]:
         words = [python, "-m", "bench.raw", kind, role, folder, str(trip.size)]
         pipe = subprocess.PIPE

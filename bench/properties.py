@@ -16,7 +16,7 @@ from queue import Empty, SimpleQueue
 import zenoh
 
 from bench.harness import Lines, Row, folders, servers, timed
-from bench.pairs import alone, paired
+from bench.pairs import Measure, alone, paired
 from rtkit.errors import Unreachable
 from rtkit.link import places, zenoh_keys
 from rtkit.link.zenoh import open_client, unix_endpoint
@@ -251,6 +251,27 @@ def _one_processor() -> Iterator[None]:
         yield
     finally:
         os.sched_setaffinity(0, allowed)
+
+
+@contextmanager
+def by_line() -> Iterator[Measure]:
+    """Yield what measures a GET as a line [us]; the service is a process of its own."""
+    with _ours(), connect_unix(places.service_socket("bench"), 10.0) as client:
+        yield lambda: _each_us(lambda: client.ask("p7"))
+
+
+@contextmanager
+def by_zenoh() -> Iterator[Measure]:
+    """Yield what measures a GET over zenoh likewise."""
+    with _ours(), _session(places.service_key_socket("bench")) as session:
+        client = ZenohClient(session, _key(), 10.0)
+        yield lambda: _each_us(lambda: client.ask("p7"))
+
+
+@contextmanager
+def _ours() -> Iterator[None]:
+    with folders(), servers(["bench.property_ends", "ours"]):
+        yield
 
 
 @contextmanager

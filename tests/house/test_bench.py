@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from bench import page, placement, scale, table3
+from bench import page, peers, placement, scale, table3
 from bench.__main__ import GROUPS, main
 from bench.harness import Missing, Row, table
 from bench.pairs import alone, interval, medians, until_tight
@@ -133,6 +133,20 @@ def test_where_it_ran_is_told() -> None:
     )
 
 
+def test_peers_tell_why_when_nothing_can_be_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    assert main(["peers"]) == 0
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("{")][1:]
+    told = [json.loads(line) for line in lines]
+    assert len(told) == len(peers.PARTS)
+    for line in told:
+        assert line["verdict"] == "not measured"
+        assert "No matching distribution found" in line["why"]
+
+
 def test_table_3_has_a_place_for_each_of_its_rows() -> None:
     assert table3.pivot([row("something else", 1.0, None)]) == ""
     measured = row("Table 3: rtmgr, one command, own processes, 10 components, each", 21.3, None)
@@ -177,5 +191,6 @@ def test_a_page_without_marks_is_left_alone(tmp_path: Path) -> None:
 
 
 def test_the_page_of_figures_has_its_place() -> None:
-    text = (Path(__file__).parents[2] / "docs" / "performance.md").read_text(encoding="utf-8")
-    assert text.count(page.BEGIN) == text.count(page.END) == 1
+    for name in ("performance.md", "peers.md"):
+        text = (Path(__file__).parents[2] / "docs" / name).read_text(encoding="utf-8")
+        assert text.count(page.BEGIN) == text.count(page.END) == 1
