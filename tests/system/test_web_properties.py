@@ -253,16 +253,16 @@ def test_a_point_and_a_region_on_the_map_lead_the_robot(home: Site) -> None:
     page.press("Point")
     page.key("ArrowRight")
     page.key("Enter")
-    line = "document.querySelector('.last-command code').textContent"
+    line = "(document.querySelector('.last-command code')?.textContent ?? '')"
     page.wait_for(f"{line}.startsWith('rtset robots/r2.behaviors.moveto')")
     page.wait_for("document.querySelector('rt-map .goal') !== null")
     page.wait_for("document.querySelector('.last-command .note')?.textContent.includes('undone')")
     page.press("Region")
-    left, top, width, height = page.place("rt-map svg")
-    for x, y in ((0.6, 0.4), (0.7, 0.4), (0.7, 0.6)):
+    for number, (x, y) in enumerate(((0.6, 0.4), (0.7, 0.4), (0.7, 0.6)), 1):
+        left, top, width, height = page.place("rt-map svg")  # it may have moved meanwhile
         for kind in ("mousePressed", "mouseReleased"):
             page.mouse(kind, left + width * x, top + height * y)
-    page.wait_for("document.querySelectorAll('rt-map .corner').length === 3")
+        page.wait_for(f"document.querySelectorAll('rt-map .corner').length === {number}")
     page.press("Done")
     page.wait_for(f"{line}.includes('<region>')")
     goal = home.get("robots/r2.behaviors.moveto")
