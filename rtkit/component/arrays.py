@@ -39,39 +39,55 @@ def maker(code: str) -> Callable[..., Any]:
     return make
 
 
-def octets_of(value: Any, form: str) -> memoryview | bytes:
-    """Return the octets of an array, without a copy if they lie as they are sent.
+def writer_of(form: str) -> Callable[[Any], memoryview | bytes]:
+    """Return a function to the octets of an array, without a copy if they lie as they are sent.
+
+    The function takes a sequence of numbers, too. It raises TypeError for another kind of number,
+    which could lose something.
 
     Args:
-        value: An array, or a sequence of numbers.
         form: Order of bytes and kind of number, ``<f``.
-
-    Raises:
-        TypeError: It is of another kind of number, which could lose something.
     """
     import numpy
 
-    found: Any = numpy.asarray(value)
-    wanted = numpy.dtype(form)
-    if found.dtype != wanted:
-        made = found.astype(wanted)
-        is_rounded = found.dtype.kind == wanted.kind == "f"
-        if not (is_rounded or numpy.can_cast(found.dtype, wanted) or (made == found).all()):
-            raise TypeError(f"numbers of {found.dtype} are none of {wanted.name}")
-        found = made
-    if not found.size:
-        return b""
-    octets: Any = numpy.ascontiguousarray(found).reshape(-1).view("u1")
-    return memoryview(octets)
+    wanted, array, asarray = numpy.dtype(form), numpy.ndarray, numpy.ascontiguousarray
+
+    def octets_of(value: Any) -> memoryview | bytes:
+        if value.__class__ is not array or value.dtype != wanted or not value.flags.c_contiguous:
+            value = asarray(_as_kind(numpy.asarray(value), wanted))
+        return memoryview(value).cast("B") if value.size else b""
+
+    return octets_of
 
 
-def view_of(data: Any, form: str, count: int, at: int) -> Any:
-    """Return a view of numbers that stand in octets; it cannot be written to."""
+def _as_kind(found: Any, wanted: Any) -> Any:
     import numpy
 
-    found = numpy.frombuffer(data, form, count, at) if count else numpy.zeros(0, form)
-    found.flags.writeable = False
-    return found
+    if found.dtype == wanted:
+        return found
+    made = found.astype(wanted)
+    is_rounded = found.dtype.kind == wanted.kind == "f"
+    if not (is_rounded or numpy.can_cast(found.dtype, wanted) or (made == found).all()):
+        raise TypeError(f"numbers of {found.dtype} are none of {wanted.name}")
+    return made
+
+
+def reader_of(form: str) -> Callable[[Any, int, int], Any]:
+    """Return a function to a view of numbers that stand in octets; it cannot be written to.
+
+    The function takes the octets, the number of numbers, and where they begin.
+    """
+    import numpy
+
+    kind, view = numpy.dtype(form), numpy.frombuffer
+
+    def view_of(data: Any, count: int, at: int) -> Any:
+        found = view(data, kind, count, at) if count else numpy.zeros(0, kind)
+        if found.flags.writeable:
+            found.flags.writeable = False
+        return found
+
+    return view_of
 
 
 def is_frozen(value: Any, code: str) -> bool:

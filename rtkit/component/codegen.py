@@ -238,8 +238,8 @@ class _Encoder(_Cdr):
         item = cast(BasicLayout, layout.item)
         code, _ = self.scalar(item, "item")
         data, count = self.name(), self.name()
-        octets = self.name(arrays.octets_of, "octets")
-        self.add(f"{data} = {octets}({value}, '{self.order}{item.code}')")
+        octets = self.name(arrays.writer_of(self.order + item.code), "octets")
+        self.add(f"{data} = {octets}({value})")
         self.add(f"{count} = len({data}) // {_size(code)}")
         self.count(count)
         self.add(f"if {count}:")
@@ -382,9 +382,8 @@ class _Decoder(_Cdr):
         if size > _HEADER:
             self.add(f"if {count}: at += {_HEADER} - at & {size - 1}")
         self.add(f"_fits(data, at, {count}, {size})")
-        view = self.name(arrays.view_of, "view")
-        kind = cast(BasicLayout, item).code
-        self.add(f"{result} = {view}(data, '{self.order}{kind}', {count}, at)")
+        view = self.name(arrays.reader_of(self.order + cast(BasicLayout, item).code), "view")
+        self.add(f"{result} = {view}(data, {count}, at)")
         self.add(f"at += {count} * {size}")
         return result
 

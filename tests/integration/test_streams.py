@@ -11,6 +11,7 @@ import pytest
 
 from rtkit.errors import Unreachable
 from rtkit.link.ends import Octets
+from rtkit.link.local.channel import FORGET, MARK, SLOT, USES
 from rtkit.link.local.streams import LocalStreams
 
 KEY = "rtd/test/host/wire"
@@ -166,12 +167,14 @@ def test_descriptors_that_nobody_asked_for_are_closed(
             socket.send_fds(other, [b"\0value"], [file.fileno(), file.fileno()])
             assert heard.get(timeout=5.0) == b"value"
         assert len(os.listdir("/proc/self/fd")) <= before
-        socket.send_fds(other, [b"\2" + bytes(20)], [file.fileno()])  # it is no memory
+        socket.send_fds(other, [USES], [file.fileno()])  # it is no memory
         assert other.recv(1) == b""
         assert len(os.listdir("/proc/self/fd")) <= before
 
 
-@pytest.mark.parametrize("rubbish", [b"", b"?", b"\2", b"\2" + bytes(40), b"\5" + bytes(4)])
+@pytest.mark.parametrize(
+    "rubbish", [b"", b"?", USES, SLOT, SLOT + bytes(40), MARK + bytes(4), FORGET, b"\x08"]
+)
 def test_rubbish_ends_its_connection_only(
     streams: tuple[LocalStreams, LocalStreams], rubbish: bytes
 ) -> None:

@@ -5,12 +5,14 @@ kind    follows                                 meaning
 ======= ======================================= ================================================
 VALUE   octets                                  a small value
 COUNTED number, octets                          the same, of a stream that counts its values
-SLOT    slot, size, number or NONE              a large value, in shared memory of the sender;
+USES    none                                    a page for uses of memory of the sender, whose
+                                                descriptor comes along (see `leases`)
+SLOT    slot, use, size, number or NONE         a large value, in shared memory of the sender;
                                                 its descriptor comes along the first time
 LOST    number                                  that value will not come
 MARK    number                                  asks that it is sent back, once all before it has
                                                 been dealt with
-FREE    slot                                    the receiver has no use for that value any more
+FREE    none                                    a use has ended, and the sender waits for that
 FORGET  slot                                    no value will come in that slot any more
 ======= ======================================= ================================================
 """
@@ -23,21 +25,22 @@ import socket
 import struct
 import time
 from array import array
-from collections import deque
 from contextlib import suppress
+from functools import partial
 from threading import Lock
 from typing import NamedTuple, TypeAlias
 
 from rtkit.link.ends import Octets, Payload
+from rtkit.link.local.leases import MOST, BorrowedUses, LentSlots
 from rtkit.link.local.slots import SeenSlots, Slot, SlotPool
 
-VALUE, COUNTED, SLOT, LOST, MARK, FREE, FORGET = (bytes([kind]) for kind in range(7))
+VALUE, COUNTED, USES, SLOT, LOST, MARK, FREE, FORGET = (bytes([kind]) for kind in range(8))
 NONE = (1 << 64) - 1
 MOST_INLINE = 32 << 10
 """How large a value may be that is copied through the socket [bytes]."""
 
 _NUMBER = struct.Struct("<Q")
-_SLOT = struct.Struct("<IQQ")
+_SLOT = struct.Struct("<IIQQ")
 _INDEX = struct.Struct("<I")
 _TIMEVAL = struct.Struct("@ll")
 _LONGEST_S = 1e6
@@ -139,12 +142,12 @@ class Channel:
         self.returned = NONE
         self.is_closed = False
         self._seen = SeenSlots()
-        # These two are changed where garbage is collected, which may be inside any lock.
-        self._in_use: set[object] = set()
-        self._freed: deque[int] = deque()
-        self._given: dict[int, list[Slot]] = {}
+        # It is changed where garbage is collected, which may be inside any lock.
+        self._in_use: dict[int, object] = {}
+        self._lent: LentSlots | None = None
+        self._borrowed: BorrowedUses | None = None
         self._known: dict[int, Slot] = {}
-        self._given_count = 0
+        self._most = (0, 0)
         self._is_over = False
         self._bound_s = 0.0
 
@@ -176,24 +179,57 @@ class Channel:
             raise Full(is_memory=False) from None
 
     def _send_large(self, value: Payload, size: int, number: int) -> None:
-        if self._given_count >= most_held(size) + _IN_TRANSIT:
-            self.take_back()
-            if self._given_count >= most_held(size) + _IN_TRANSIT:
+        lent = self._lent
+        if lent is None:
+            lent = self._begin_lending()
+        elif lent.count:
+            self._collect(lent)  # always, so that the memory used last is used again
+            if lent.count >= self._most_held(size) + _IN_TRANSIT:
                 raise Full(is_memory=True)
-        elif self._given_count:
-            self.take_back(is_for_memory=True)  # so that the memory used last is used again
         slot = self._pool.fill(value, size)
-        try:
-            self._send_slot(slot, size, number)
-        except BaseException:
-            self._pool.release(slot)
-            raise
         with self._lock:
-            self._given.setdefault(slot.number, []).append(slot)
-            self._given_count += 1
+            use = lent.lend(slot)
+        try:
+            self._send_slot(slot, _SLOT.pack(slot.number, use, size, number))
+        except BaseException:
+            with self._lock:
+                is_ours = lent.take_back(use)
+            if is_ours:
+                self._pool.release(slot)
+            raise
 
-    def _send_slot(self, slot: Slot, size: int, number: int) -> None:
-        packet = SLOT + _SLOT.pack(slot.number, size, number)
+    def _begin_lending(self) -> LentSlots:
+        with self._lock:
+            if self._lent is not None:  # another thread sends, too
+                return self._lent
+            lent = LentSlots()
+            passed = [(socket.SOL_SOCKET, socket.SCM_RIGHTS, array("i", [lent.descriptor]))]
+            try:
+                self.connection.sendmsg([USES], passed, _FLAGS)
+            except BaseException as error:
+                lent.close()
+                if isinstance(error, BlockingIOError):
+                    raise Full(is_memory=False) from None
+                raise
+            self._lent = lent
+            return lent
+
+    def _most_held(self, size: int) -> int:
+        known, most = self._most
+        if size != known:
+            most = most_held(size)
+            self._most = size, most
+        return most
+
+    def _collect(self, lent: LentSlots) -> None:
+        """Take back memory whose uses have ended."""
+        with self._lock:
+            ended = lent.ended()
+        for slot in ended:
+            self._pool.release(slot)
+
+    def _send_slot(self, slot: Slot, where: bytes) -> None:
+        packet = SLOT + where
         try:
             if slot.number in self._known:
                 self._send(packet, _FLAGS)
@@ -221,7 +257,24 @@ class Channel:
 
     def await_room(self, full: Full, until: float) -> bool:
         """Wait until more may fit, at most until then (monotonic) [s]; False when time is up."""
-        return self._await(0 if full.is_memory else select.POLLOUT, until)
+        if not full.is_memory:
+            return self._await(select.POLLOUT, until)
+        lent = self._lent
+        if lent is None:
+            return not self._is_over
+        before = lent.count
+        lent.await_end(is_awaited=True)
+        try:
+            while True:
+                # The end of a use and this look may just miss each other: no wait is long.
+                self._collect(lent)
+                if self._is_over or lent.count < before:
+                    return not self._is_over
+                if time.monotonic() >= until:
+                    return False
+                self._await(0, min(until, time.monotonic() + _GLANCE_S))
+        finally:
+            lent.await_end(is_awaited=False)
 
     def await_mark(self, number: int, until: float) -> bool:
         """Wait until a mark was sent back, at most until then (monotonic) [s]."""
@@ -241,22 +294,16 @@ class Channel:
         self.take_back()
         return not self._is_over
 
-    def take_back(self, *, is_for_memory: bool = False) -> None:
-        """Take back memory, and marks, that the other end has sent back.
-
-        It is for ends that receive nothing else. What is done for memory ends with the last value
-        that had not been given back.
-        """
+    def take_back(self) -> None:
+        """Take marks that the other end has sent back; for ends that receive nothing else."""
         try:
-            while self._given_count or not is_for_memory:
+            while True:
                 data, passed, _, _ = self._receive(_SMALL, _ROOM, NOW | _CLOEXEC)
                 if not data:
                     break
                 packet = self._read(data[:1], data, passed)
                 if packet is not None:
                     self.returned = packet.number
-            else:
-                return
         except BlockingIOError:
             return
         except (OSError, ValueError, LookupError, struct.error):
@@ -288,7 +335,7 @@ class Channel:
             if state & _CUT:
                 raise ValueError("a packet that is too large")
             kind = data[:1]
-            if passed and kind != SLOT:
+            if passed and kind not in (SLOT, USES):
                 take_passed(passed, most=0)
             if kind == VALUE:
                 return Packet(VALUE, NONE, data[1:])
@@ -304,50 +351,36 @@ class Channel:
             (number,) = _NUMBER.unpack_from(data, 1)
             return Packet(VALUE, number, data[1 + _NUMBER.size :])
         if kind == SLOT:
-            slot, size, number = _SLOT.unpack_from(data, 1)
+            slot, use, size, number = _SLOT.unpack_from(data, 1)
             for descriptor in take_passed(passed, most=1):
                 self._seen.learn(slot, descriptor)
-            return Packet(VALUE, number, self._value_in(slot, size))
+            return Packet(VALUE, number, self._value_in(slot, use, size))
         if kind in (LOST, MARK):
             return Packet(kind, *_NUMBER.unpack_from(data, 1))
-        (slot,) = _INDEX.unpack_from(data, 1)
-        if kind == FREE:
-            self._take_back(slot)
+        if kind == USES:
+            (descriptor,) = take_passed(passed, most=1)
+            self._borrowed = BorrowedUses(descriptor)
         elif kind == FORGET:
-            self._seen.forget(slot)
+            self._seen.forget(*_INDEX.unpack_from(data, 1))
+        elif kind != FREE:
+            raise ValueError("a packet of no kind")
         return None
 
-    def _value_in(self, slot: int, size: int) -> Octets:
-        if size <= MOST_INLINE:
-            raise ValueError("a small value in shared memory")
-        is_kept, use = len(self._in_use) < most_held(size), object()
-        self._in_use.add(use)
-        view = self._seen.view(slot, size, lambda: self._give_back(slot, use))
+    def _value_in(self, slot: int, use: int, size: int) -> Octets:
+        is_new = 0 < use <= MOST and use not in self._in_use
+        if size <= MOST_INLINE or self._borrowed is None or not is_new:
+            raise ValueError("no value in shared memory")
+        is_kept = len(self._in_use) < self._most_held(size)
+        end = partial(self._end_use, self._borrowed, use)
+        view, self._in_use[use] = self._seen.view(slot, size, end)
         return view if is_kept else bytes(view)
 
-    def _give_back(self, slot: int, use: object) -> None:
+    def _end_use(self, borrowed: BorrowedUses, use: int, _: object) -> None:
         """Tell the other end that a value is not used any more; by whichever thread."""
-        self._in_use.discard(use)
-        self._freed.append(slot)
-        try:
-            while self._freed:
-                next_slot = self._freed.pop()
-                try:
-                    self._send(FREE + _INDEX.pack(next_slot), _FLAGS)
-                except BlockingIOError:
-                    self._freed.append(next_slot)  # with the next one
-                    return
-        except (IndexError, OSError):
-            return  # another thread has sent it, or the other end is gone
-
-    def _take_back(self, slot: int) -> None:
-        with self._lock:
-            given = self._given.get(slot)
-            if not given:
-                raise ValueError("memory that was not given is given back")
-            taken = given.pop()
-            self._given_count -= 1
-        self._pool.release(taken)
+        self._in_use.pop(use, None)
+        if borrowed.end(use):
+            with suppress(OSError):  # the other end is gone, or looks for itself
+                self._send(FREE, _FLAGS)
 
     def close(self) -> None:
         """End the connection; a thread that waits at it finds its end.
@@ -360,7 +393,7 @@ class Channel:
             self.connection.shutdown(socket.SHUT_RDWR)
         with self._lock:
             self._is_over = True
-            given = [slot for slots in self._given.values() for slot in slots]
-            self._given.clear()
-        for slot in given:
+            lent, self._lent = self._lent, None
+            left = lent.close() if lent is not None else []
+        for slot in left:
             self._pool.release(slot, is_spent=True)

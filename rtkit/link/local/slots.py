@@ -17,7 +17,8 @@ from typing import Any
 
 from rtkit.link.ends import Payload
 
-_SEALS = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
+SEALS = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
+"""What keeps memory that another process can read as large as it is."""
 OFFSET = 4
 """Where a value begins, so that numbers of 8 bytes behind its header of 4 are aligned [bytes]."""
 _STEPS = 8
@@ -32,6 +33,7 @@ class Slot:
 
     Attributes:
         number: By which readers know it.
+        size: Of its memory [bytes].
         content: What was written into it last, while anybody has it.
         descriptor: Of its memory.
         memory: Its memory.
@@ -39,19 +41,19 @@ class Slot:
         is_spent: Whether a reader may keep it for ever.
     """
 
-    __slots__ = ("content", "descriptor", "is_spent", "memory", "number", "users")
+    __slots__ = ("content", "descriptor", "is_spent", "memory", "number", "size", "users")
 
     def __init__(self, number: int, size: int) -> None:
         import mmap
 
-        self.number = number
+        self.number, self.size = number, size
         self.content: Payload | None = None
         self.users = 0
         self.is_spent = False
         self.descriptor = os.memfd_create("rtkit", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
         try:
             os.posix_fallocate(self.descriptor, 0, size)  # else a write could end the process
-            fcntl.fcntl(self.descriptor, fcntl.F_ADD_SEALS, _SEALS)
+            fcntl.fcntl(self.descriptor, fcntl.F_ADD_SEALS, SEALS)
             self.memory = mmap.mmap(self.descriptor, size)
         except OSError:
             os.close(self.descriptor)
@@ -69,6 +71,7 @@ class SlotPool:
     def __init__(self) -> None:
         self._lock = Lock()
         self._free: list[Slot] = []
+        self._free_bytes = 0
         self._count = 0
         self._last: Slot | None = None
 
@@ -99,8 +102,9 @@ class SlotPool:
                 last.users += 1
                 return last
             for index, slot in enumerate(self._free):
-                if len(slot.memory) == wanted:
+                if slot.size == wanted:
                     del self._free[index]
+                    self._free_bytes -= wanted
                     break
             else:
                 self._count += 1
@@ -120,12 +124,16 @@ class SlotPool:
                 slot.close()
                 return
             self._free.insert(0, slot)  # used next, while it is in the cache
-            while sum(len(each.memory) for each in self._free[1:]) > _MOST_FREE:
-                self._free.pop().close()
+            self._free_bytes += slot.size
+            while self._free_bytes - slot.size > _MOST_FREE:
+                oldest = self._free.pop()
+                self._free_bytes -= oldest.size
+                oldest.close()
 
     def close(self) -> None:
         """Give back what lies unused."""
         with self._lock:
+            self._free_bytes = 0
             while self._free:
                 self._free.pop().close()
 
@@ -151,7 +159,7 @@ class SeenSlots:
         import mmap
 
         try:
-            if fcntl.fcntl(descriptor, fcntl.F_GET_SEALS) & _SEALS != _SEALS:
+            if fcntl.fcntl(descriptor, fcntl.F_GET_SEALS) & SEALS != SEALS:
                 raise OSError("shared memory that is not sealed")
             size = os.fstat(descriptor).st_size
             # What a reader may do to its view changes neither the slot nor what others see.
@@ -159,8 +167,12 @@ class SeenSlots:
         finally:
             os.close(descriptor)
 
-    def view(self, number: int, size: int, done: Callable[[], object]) -> memoryview:
-        """Return a view of a value; `done` is called when nothing refers to its memory any more.
+    def view(
+        self, number: int, size: int, done: Callable[[object], object]
+    ) -> tuple[memoryview, object]:
+        """Return a view of a value, and what has to be kept for `done` to be called.
+
+        That happens when nothing refers to the memory of the view any more.
 
         Raises:
             KeyError: There is no such slot.
@@ -170,8 +182,7 @@ class SeenSlots:
 
         # An object for each use: whatever is made of the view, an array too, keeps it alive.
         used = (ctypes.c_ubyte * size).from_buffer(self._memories[number], OFFSET)
-        weakref.finalize(used, done).atexit = False
-        return memoryview(used).toreadonly().cast("B")
+        return memoryview(used).toreadonly().cast("B"), weakref.ref(used, done)
 
     def forget(self, number: int) -> None:
         """Let go of a slot; views of it stay."""
