@@ -89,9 +89,8 @@ def _dora_trips(folder: Path) -> Lines:
 
 def _trips(name: str, floor_is: str, floor: ports.Floor) -> Lines:
     for trip, value in ((ports.SMALL, "a small value"), (ports.IMAGE, "an image of 1 MB")):
-        measured, placement = ports.round_trip(trip, floor)
         what = f"round trip of {value} through two processes, beside {name}"
-        yield Row(what, "us", measured, None, True, floor_is, placement)
+        yield from ports.by_placement(what, trip, floor, floor_is, None)
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Tells where measurements run: the machine, its load, the processors of both ends."""
+"""Tells where measurements run: the machine, its load; and keeps processes on processors."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import json
 import os
 import platform
 import re
-from collections.abc import Iterable
 from pathlib import Path
 
 _GOVERNOR = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
@@ -42,13 +41,7 @@ def as_json(load: float) -> str:
     )
 
 
-def processor(pid: int) -> int:
-    """Return the processor on which the first thread of a process ran last."""
-    fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
-    return int(fields[36])  # the 39th of proc(5); the name and what is before it are cut off
-
-
-def of_ends(seen: Iterable[tuple[int, int]]) -> str:
-    """Return how often two ends were seen on one processor, and on two."""
-    alike = [one == other for one, other in seen]
-    return f"ends on one processor in {sum(alike)} of {len(alike)}, on two in the others"
+def pin(pid: int, to: int) -> None:
+    """Keep all threads that a process has on one processor, and those that they start."""
+    for task in Path(f"/proc/{pid}/task").iterdir():
+        os.sched_setaffinity(int(task.name), {to})

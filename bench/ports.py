@@ -9,14 +9,14 @@ import subprocess
 import sys
 import tempfile
 import timeit
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from typing import NamedTuple, TypeAlias
 
 from bench.harness import Lines, Missing, Row, manager
 from bench.pairs import Measured, Pair, medians, paired, until_tight
-from bench.placement import of_ends, processor
+from bench.placement import pin
 from bench.raw import KINDS
 from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Pose2D, TimedPose2D
@@ -49,11 +49,11 @@ def _write() -> Lines:
 
 
 def _trip() -> Lines:
+    what = "round trip of a TimedPose2D through two processes"
     for kind, target in (("socket", 1.5), ("zenoh", None)):
-        what = f"round trip of a TimedPose2D through two processes, beside {kind}"
-        measured, placement = round_trip(SMALL, partial(raw, kind))
-        floor_is = f"{KINDS[kind]}, {_RAW_IS}"
-        yield Row(what, "us", measured, target, True, floor_is, placement)
+        yield from by_placement(
+            f"{what}, beside {kind}", SMALL, partial(raw, kind), _floor_is(kind), target
+        )
 
 
 def _image() -> Lines:
@@ -61,9 +61,12 @@ def _image() -> Lines:
     if importlib.util.find_spec("iceoryx2") is None:
         yield Missing(what, "pip install iceoryx2")
         return
-    measured, placement = round_trip(IMAGE, partial(raw, "iceoryx2"))
-    floor_is = f"{KINDS['iceoryx2']}, {_RAW_IS}"
-    yield Row(what, "us", measured, 1.2, True, floor_is, placement)
+    kind = "iceoryx2"
+    yield from by_placement(what, IMAGE, partial(raw, kind), _floor_is(kind), 1.2)
+
+
+def _floor_is(kind: str) -> str:
+    return f"{KINDS[kind]}, {_RAW_IS}"
 
 
 PARTS = {"write": _write, "trip": _trip, "image": _image}
@@ -91,14 +94,27 @@ Floor: TypeAlias = Callable[
 """Runs two ends with a folder of theirs; gives what measures a round trip, and their pids."""
 
 
-def round_trip(trip: Trip, floor: Floor) -> tuple[Measured, str]:
-    """Measure a round trip of rtkit beside another; tell where their ends ran.
+def by_placement(what: str, trip: Trip, floor: Floor, floor_is: str, target: float | None) -> Lines:
+    """Measure both pairs of ends at the same processors: one, then two.
 
-    How the kernel spreads processes over processors stays for their life, so each pair is one of
-    medians that fresh processes take.
+    Where the scheduler puts them decides the figure more than all else, and it puts each pair
+    where it likes.
     """
-    ours_seen: list[tuple[int, int]] = []
-    bare_seen: list[tuple[int, int]] = []
+    allowed = sorted(os.sched_getaffinity(0))
+    for name, processors in (("one processor", allowed[:1] * 2), ("two processors", allowed[:2])):
+        if len(processors) < 2:
+            yield Missing(f"{what}, on {name}", "only one processor may be used")
+            continue
+        measured = round_trip(trip, floor, processors)
+        placement = f"ends of both on processors {processors[0]} and {processors[1]}"
+        yield Row(f"{what}, on {name}", "us", measured, target, True, floor_is, placement)
+
+
+def round_trip(trip: Trip, floor: Floor, processors: Sequence[int]) -> Measured:
+    """Measure a round trip of rtkit beside another, both with their ends on two processors.
+
+    Each pair is one of medians that fresh processes take. The processors may be the same.
+    """
 
     def in_fresh_processes() -> Pair:
         with (
@@ -107,18 +123,15 @@ def round_trip(trip: Trip, floor: Floor) -> tuple[Measured, str]:
             floor(folder, trip) as (bare, bare_pids),
         ):
             ours = _ping(tree, trip, os.path.join(folder, "median"))
-            ours_pids = {process.name: process.pid for process in tree.snapshot().processes}
-            pairs = []
-            for number in range(_ROUNDS + 1):
-                pair = ours(), bare()
-                if number:  # the first is a warm-up
-                    pairs.append(pair)
-                    ours_seen.append((processor(ours_pids["p"]), processor(ours_pids["e"])))
-                    bare_seen.append((processor(bare_pids[0]), processor(bare_pids[1])))
+            ours(), bare()  # a warm-up, after which all threads are there
+            pids = {process.name: process.pid for process in tree.snapshot().processes}
+            for ends in (pids["p"], pids["e"]), bare_pids:
+                for pid, to in zip(ends, processors, strict=True):
+                    pin(pid, to)
+            pairs = [(ours(), bare()) for _ in range(_ROUNDS)]
         return statistics.median(a for a, _ in pairs), statistics.median(b for _, b in pairs)
 
-    pairs = until_tight(in_fresh_processes, _SETS, _EXTRA_S)
-    return medians(pairs), f"rtkit: {of_ends(ours_seen)}; floor: {of_ends(bare_seen)}"
+    return medians(until_tight(in_fresh_processes, _SETS, _EXTRA_S))
 
 
 def _write_us() -> float:

@@ -127,10 +127,6 @@ def test_where_it_ran_is_told() -> None:
     told = json.loads(placement.as_json(0.25))
     assert (told["schema"], told["load_before"]) == ("rtkit.bench/1", 0.25)
     assert set(told["processors_allowed"]) == os.sched_getaffinity(0)
-    assert placement.processor(os.getpid()) in range(os.cpu_count() or 1)
-    assert placement.of_ends([(0, 0), (0, 1), (1, 1)]) == (
-        "ends on one processor in 2 of 3, on two in the others"
-    )
 
 
 def test_peers_tell_why_when_nothing_can_be_installed(
