@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import select
+import selectors
 import signal
 import socket
 import subprocess
@@ -18,6 +19,7 @@ import pytest
 from rtkit.container.control_channel import ControlChannel
 from rtkit.container.slave_checkpoint import checkpoint_path
 from rtkit.manager.core.events import SlaveEnded, SlaveForked
+from rtkit.manager.slaves.slave_connections import SlaveConnections
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 
 KEY = 1
@@ -28,9 +30,9 @@ class Side:
 
     def __init__(self, folder: Path) -> None:
         self.data = str(folder / "m.%p.data")
-        self._listener = socket.socket(socket.AF_UNIX)
-        self._listener.bind(str(folder / "m.ctl"))
-        self._listener.listen()
+        self.listener = socket.socket(socket.AF_UNIX)
+        self.listener.bind(str(folder / "m.ctl"))
+        self.listener.listen()
         self.slave_supervisor = SlaveSupervisor(
             {
                 "manager": "m",
@@ -53,15 +55,15 @@ class Side:
 
     def greeting(self) -> dict[str, object]:
         """Return what the next slave says first."""
-        self._listener.settimeout(30.0)
-        connection, _ = self._listener.accept()
+        self.listener.settimeout(30.0)
+        connection, _ = self.listener.accept()
         (message,) = ControlChannel(connection).receive() or [{}]
         connection.close()
         return dict(message)
 
     def close(self) -> None:
         self.slave_supervisor.close()
-        self._listener.close()
+        self.listener.close()
 
 
 @pytest.fixture
@@ -148,3 +150,32 @@ def test_what_a_killed_slave_forks_ends_with_it_though_no_zygote_looks(side: Sid
             os.killpg(slave.pid, signal.SIGKILL)
         slave.wait()
         slave.stdout.close()
+
+
+def test_a_slave_whose_zygote_tells_of_its_end_is_watched_no_more(side: Side) -> None:
+    """The number of its descriptor is given to the next connection, which is to be registered."""
+    told: list[object] = []
+    with (
+        selectors.DefaultSelector() as selector,
+        socket.socket(socket.AF_UNIX) as zygote,
+        subprocess.Popen(["sleep", "60"]) as slave,
+    ):
+        supervisor = side.slave_supervisor
+        connections = SlaveConnections(selector, side.listener, supervisor, told.append)
+        connections.adopt(KEY, slave.pid)
+        pidfd = supervisor.pidfd_of(KEY)
+        assert pidfd in selector.get_map()
+        zygote.bind(side.data.replace("%p.data", f"{slave.pid}.zygote"))
+        zygote.listen()
+        connections.settle(lambda: None)
+        connection, _ = zygote.accept()
+        channel = ControlChannel(connection)
+        channel.send({"children": [slave.pid], "names": {}, "zygote": slave.pid})
+        channel.send({"ended": slave.pid, "reason": "signal 9"})
+        while SlaveEnded(KEY, "signal 9") not in told:
+            for key, mask in selector.select(30.0):
+                key.data(mask)
+        assert pidfd not in selector.get_map()
+        slave.kill()
+        connections.close()
+        channel.close()

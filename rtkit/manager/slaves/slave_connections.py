@@ -47,6 +47,7 @@ class SlaveConnections:
         self._settled: Callable[[], object] | None = None
         self._settle_by = 0.0
         self._spare = os.open(os.devnull, os.O_RDONLY)
+        slave_supervisor.unwatch = self._unwatch
         self._register(listener, lambda _mask: self._accept(listener))
         self._register(slave_supervisor, lambda _mask: self._on_supervisor_message())
 
@@ -58,11 +59,7 @@ class SlaveConnections:
             os.close(self._spare)
 
     def _register(self, source: Any, react: Callable[[int], object]) -> None:
-        try:
-            self._selector.register(source, _READ, react)
-        except KeyError:  # of a descriptor that was closed since, whose number this one has now
-            self._selector.unregister(source)
-            self._selector.register(source, _READ, react)
+        self._selector.register(source, _READ, react)
 
     def send(self, key: int, message: Mapping[str, Any]) -> None:
         """Send a message to the container of a slave."""
@@ -172,10 +169,15 @@ class SlaveConnections:
         """Notice the end of a slave whose parent is gone from its pidfd."""
         self._register(pidfd, lambda _mask: self._vanished(key, pidfd))
 
+    def _unwatch(self, pidfd: int) -> None:
+        """Watch a pidfd no more: the zygote of its process may have told the end."""
+        if pidfd in self._selector.get_map():
+            self._selector.unregister(pidfd)
+
     def _vanished(self, key: int, pidfd: int) -> None:
         if self._slave_supervisor.pidfd_of(key) != pidfd:
             return  # it said just before that it leaves, and both were ready in one turn
-        self._selector.unregister(pidfd)
+        self._unwatch(pidfd)
         if self._slave_supervisor.is_orphan(key):  # else its zygote, found since, says the reason
             self._lost(key)
 
@@ -248,9 +250,6 @@ class SlaveConnections:
 
     def _left(self, key: int) -> None:
         """Forget an attached process that leaves; it may live on, as that of a notebook does."""
-        pidfd = self._slave_supervisor.pidfd_of(key)
-        if pidfd is not None:
-            self._selector.unregister(pidfd)
         self.drop(key)
         self._lost(key)
 

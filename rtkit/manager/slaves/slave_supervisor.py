@@ -10,7 +10,7 @@ import logging
 import os
 import signal
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -60,6 +60,7 @@ class SlaveSupervisor:
 
     Attributes:
         sweep_at: When `sweep` is due, monotonic [s]; None while nothing is to be swept.
+        unwatch: Is called with each pidfd before it is closed, as its number is free then.
     """
 
     def __init__(
@@ -80,6 +81,7 @@ class SlaveSupervisor:
         self._families: dict[int, dict[int, int]] = {}
         self._parents: dict[int, int] = {}
         self.sweep_at: float | None = None
+        self.unwatch: Callable[[int], object] = lambda _pidfd: None
         self.former_zygotes = FormerZygotes(self._settings["zygote"], self._zygotes)
         self._unreported = UnreportedSlaves(self._settings["manager"], dead)
         self._server = ForkServer(self._settings)
@@ -152,6 +154,7 @@ class SlaveSupervisor:
         """Take who was adopted under a pid for a stranger: it is neither watched nor signalled."""
         pidfd = self._pidfds.pop(key, None)
         if pidfd is not None:
+            self.unwatch(pidfd)
             os.close(pidfd)
 
     def is_guest(self, key: int) -> bool:
@@ -391,9 +394,7 @@ class SlaveSupervisor:
         self._halted.discard(key)
         self._is_all_ours &= self._parents.pop(pid, None) is not None
         del self._pids[key]
-        pidfd = self._pidfds.pop(key, None)
-        if pidfd is not None:
-            os.close(pidfd)
+        self.distrust_pid(key)
         if pid in self._guests:
             self._guests.discard(pid)  # its orphans are not ours to end
         else:

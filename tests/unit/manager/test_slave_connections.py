@@ -24,6 +24,7 @@ class OneGuest:
     """A supervisor whose only process is a guest; a pipe stands in for its pidfd."""
 
     former_zygotes: Any
+    unwatch: Callable[[int], object]
 
     def __init__(self) -> None:
         self._fd, self._other = os.pipe()
@@ -60,7 +61,10 @@ class OneGuest:
 
     def lost(self, key: int) -> ev.Event | None:
         known = self._pidfds.pop(key, None)
-        return None if known is None else ev.SlaveEnded(key, "exit status unknown")
+        if known is None:
+            return None
+        self.unwatch(known)
+        return ev.SlaveEnded(key, "exit status unknown")
 
     def die(self) -> None:
         os.write(self._end, b"x")
