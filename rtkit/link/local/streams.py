@@ -31,15 +31,11 @@ from rtkit.link.ends import (
     Streams,
 )
 from rtkit.link.local.channel import Channel, take_passed
-from rtkit.link.local.ends import (
-    AnsweringEnd,
-    LocalCaller,
-    LocalFetcher,
-    LocalInlet,
-    LocalOutlet,
-    SentCount,
-)
+from rtkit.link.local.inlet import LocalInlet
 from rtkit.link.local.loop import SocketLoop
+from rtkit.link.local.outlet import LocalOutlet
+from rtkit.link.local.requests import AnsweringEnd, LocalCaller, LocalFetcher
+from rtkit.link.local.sent_count import SentCount
 from rtkit.link.local.slots import SlotPool
 
 _HELLO = b"rtkit data 1\n"

@@ -1,0 +1,167 @@
+"""Ends of connections between two processes of one host on which one asks and the other answers.
+
+Pull connectors ask for values, service connectors call operations.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from itertools import count
+
+from rtkit.errors import Unreachable
+from rtkit.link.ends import CallerEnd, Fetcher, Octets
+from rtkit.link.local.channel import LOST, Channel, Full, Packet
+from rtkit.link.local.outlet import PATIENCE_S
+from rtkit.link.threads import start_thread
+
+
+class _Requests:
+    """Sends requests over a connection, one after the other, and waits for each reply."""
+
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
+        self._lock = threading.Lock()
+        self._numbers = count()
+
+    def ask(self, request: bytes, timeout_s: float) -> Packet:
+        """Return the reply.
+
+        Raises:
+            TimeoutError: There is none in time [s].
+            OSError: The other end is gone.
+        """
+        until = time.monotonic() + timeout_s
+        if not self._lock.acquire(timeout=max(timeout_s, 0.0)):
+            raise TimeoutError
+        try:
+            number = next(self._numbers)
+            self._send(request, number, until)
+            while True:
+                packet = self._receive(until)
+                if packet.number == number:  # another one is too late
+                    return packet
+        finally:
+            self._lock.release()
+
+    def _send(self, request: bytes, number: int, until: float) -> None:
+        while True:
+            try:
+                self._channel.send(request, number)
+            except Full as full:
+                if not self._channel.await_room(full, until):
+                    raise TimeoutError from None
+            else:
+                return
+
+    def _receive(self, until: float) -> Packet:
+        left_s = until - time.monotonic()
+        if left_s <= 0:
+            raise TimeoutError
+        self._channel.bound(left_s)
+        try:
+            packet = self._channel.receive()
+        except BlockingIOError:
+            raise TimeoutError from None
+        except ValueError as error:
+            raise ConnectionError(str(error)) from error
+        if packet is None:
+            raise ConnectionError
+        return packet
+
+    def close(self) -> None:
+        """Ask no more; a thread that waits is told."""
+        self._channel.close()
+
+
+class LocalFetcher(_Requests, Fetcher):
+    """Asking end of one pull stream."""
+
+    def fetch(self, timeout_s: float) -> Octets | None:
+        """See `Fetcher.fetch`."""
+        try:
+            packet = self.ask(b"", timeout_s)
+        except OSError:
+            return None
+        return None if packet.kind == LOST else packet.value
+
+
+class LocalCaller(_Requests, CallerEnd):
+    """Caller's end of a service connector."""
+
+    def call(self, request: bytes, timeout_s: float) -> bytes:
+        """See `CallerEnd.call`."""
+        try:
+            return bytes(self.ask(request, timeout_s).value)
+        except TimeoutError:
+            raise Unreachable(f"no answer within {timeout_s:g} s") from None
+        except OSError:
+            here = self._channel.is_closed
+            raise Unreachable(
+                "the connection is closed" if here else "the provider is gone"
+            ) from None
+
+
+class AnsweringEnd:
+    """Answers requests, one after the other.
+
+    Each who asks has a thread here, which may be inside a provider that never comes back: nothing
+    waits for it.
+
+    Args:
+        reply_to: Returns the reply to a request; None where there is none.
+        forget: Called when it is closed.
+    """
+
+    def __init__(
+        self, reply_to: Callable[[bytes], Octets | None], forget: Callable[[], object]
+    ) -> None:
+        self._reply_to = reply_to
+        self._forget = forget
+        self._lock = threading.Lock()
+        self._channels: list[Channel] = []
+        self._is_closed = False
+
+    def connect(self, channel: Channel, key: str) -> bool:
+        """Answer what comes over a connection from now on; False when this is closed."""
+        self._channels.append(channel)
+        if self._is_closed:
+            return False
+        start_thread(lambda: self._run(channel), f"serve {key}")
+        return True
+
+    def close(self) -> None:
+        """Answer no more."""
+        self._is_closed = True
+        self._forget()
+        for channel in list(self._channels):
+            channel.close()
+
+    def _run(self, channel: Channel) -> None:
+        try:
+            while (packet := channel.receive()) is not None:
+                with self._lock:
+                    value = self._reply_to(bytes(packet.value))
+                _send_back(channel, value, packet.number)
+        except (OSError, ValueError):
+            pass  # it is closed, here or there
+        finally:
+            channel.close()
+            self._channels.remove(channel)
+
+
+def _send_back(channel: Channel, value: Octets | None, number: int) -> None:
+    """Send a reply, which is lost if nobody takes it in time."""
+    until = time.monotonic() + PATIENCE_S
+    while True:
+        try:
+            if value is None:
+                channel.send_notice(LOST, number)
+            else:
+                channel.send(value, number)
+        except Full as full:
+            if not channel.await_room(full, until):
+                return
+        else:
+            return
