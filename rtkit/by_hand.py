@@ -185,19 +185,17 @@ class RunningComponent(Closing):
 
     def wait(self) -> None:
         """Drive it on this thread until Ctrl-C, or until it is ended from outside; then leave."""
-        import bdb
+        wait_for([self])
 
-        callbacks.escaping = (KeyboardInterrupt, bdb.BdbQuit)
-        try:
-            hint = "" if self._is_activated else f"rtact {self.path} activates it, "
-            _log.info("%s is in the tree; %sCtrl-C ends it", self.path, hint)
-            self._calling.serve()
-            _log.info("%s was ended", self.path)
-        except callbacks.escaping:
-            _log.info("%s leaves", self.path)
-        finally:
-            callbacks.escaping = ()
-            self.close()
+    @property
+    def hint(self) -> str:
+        """Advice on how it is activated; empty if it is."""
+        return "" if self._is_activated else f"rtact {self.path} activates it, "
+
+    def serve(self) -> None:
+        """Drive it on this thread, if that is lent to it, until it is ended from outside."""
+        self._calling.serve()
+        _log.info("%s was ended", self.path)
 
     def close(self) -> None:
         """End the component and leave the manager; without effect when that was done already."""
@@ -258,6 +256,25 @@ class RunningComponent(Closing):
         """Notice whether it was ended from outside."""
         if not self.is_running:
             self._calling.end()
+
+
+def wait_for(components: Sequence[RunningComponent]) -> None:
+    """Return when all were ended from outside, or at Ctrl-C; then they leave."""
+    import bdb
+
+    callbacks.escaping = (KeyboardInterrupt, bdb.BdbQuit)
+    for each in components:
+        _log.info("%s is in the tree; %sCtrl-C ends it", each.path, each.hint)
+    try:
+        for each in components:
+            each.serve()
+    except callbacks.escaping:
+        for each in components:
+            _log.info("%s leaves", each.path)
+    finally:
+        callbacks.escaping = ()
+        for each in components:
+            each.close()
 
 
 class _Turn:
