@@ -34,6 +34,7 @@ _MOST_BETWEEN = 128 << 20
 
 _ID = "id="
 NOTHING: Mapping[str, str] = {}
+_NOBODY = "nobody answers for it"
 _ERROR_ENCODING = zenoh.Encoding("text/plain;rtkit.error")
 
 
@@ -262,7 +263,7 @@ class ZenohLink:
 
         def end() -> None:
             if waiting:
-                waiting.pop()(Reply(f"no answer within {timeout_s:g} s", Unreachable.kind))
+                waiting.pop()(Reply(_NOBODY, Unreachable.kind))  # else it is told of the time-out
 
         try:
             self._session.get(
@@ -337,7 +338,7 @@ def _first(replies: Iterable[zenoh.Reply], timeout_s: float) -> Reply:
             return Reply(reply.ok.payload.to_string())
         if reply.err is not None:
             return _error_reply(reply.err, timeout_s)
-    raise Unreachable("nobody answers for it")
+    raise Unreachable(_NOBODY)
 
 
 def _reply_of(reply: zenoh.Reply, timeout_s: float) -> Reply:

@@ -80,6 +80,17 @@ def test_a_peer_is_awaited_as_long_as_who_asks_has_time(asking: Asking, is_watch
     assert asking.await_answer() == ev.PeerAnswered(7, "yes", "")
 
 
+def test_a_peer_that_is_let_go_is_kept_for_who_asks_it_again(
+    asking: Asking, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(far_peers, "_LINGER_S", 0.0)
+    asking.peers.watch((PEER,))
+    asking.peers.watch(())
+    asking.ask(10.0)
+    asking.answer()
+    assert asking.await_answer() == ev.PeerAnswered(7, "yes", "")
+
+
 def test_who_has_no_time_left_is_told_that_a_peer_is_away(asking: Asking) -> None:
     asking.ask(0.0)
     told = asking.await_answer()

@@ -109,6 +109,8 @@ class FarPeers:
             self._answer(asked, failure(Unreachable(why_away(peer.name))))
             return
         peer.asked.append(asked)
+        if peer.leave_at is not None:  # it may be due just now, and that it is watched told next
+            peer.leave_at = max(peer.leave_at, time.monotonic() + asked.timeout_s)
         if not peer.is_found:  # it may just have been told to expect this
             until = time.monotonic() + _PART * asked.timeout_s
             peer.lost_at = max(peer.lost_at or 0.0, until)
