@@ -109,7 +109,8 @@ class Meetings:
         except RtkitError as error:
             for connector_id, making in ids.items():
                 self._state.kept.untell(peer, connector_id, making)
-                show(self._state, connector_id, str(error))
+                if connector_id in self._state.kept.far.get(peer, ()):  # else another peer has it
+                    show(self._state, connector_id, str(error))
             self._pauses[peer] = self._now + AGAIN_S
         finally:
             self._busy.discard(peer)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 from fake_peers import FakeHost
 
-from rtkit.deployment.actions import Delete, Disconnect
+from rtkit.deployment.actions import Connect, Delete, Disconnect
 from rtkit.deployment.listing import listing_of
 from rtkit.rtc.far_ends import far_name
-from rtkit.rtc.profiles import PortRef
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 WHOLE, GONE = "", None
 BEGUN_ANEW = "manager m2 has begun anew, and does not know it"
@@ -57,7 +57,6 @@ def test_each_keeps_its_half_before_the_answer(host, flow):
 def test_what_the_peer_refuses_leaves_nothing(host):
     wrong = host.connector("w", "m1").connector
     ends = (wrong.ports[0], PortRef(far_name("B", "m2"), "text"))
-    from rtkit.deployment.actions import Connect
     from rtkit.fast_dataclass import replace
 
     asked = host.ask("m1", Connect(replace(wrong, ports=ends)))
@@ -162,6 +161,32 @@ def test_whom_nobody_tells_removes_its_half_when_it_is_back(host):
     host.start("m1")
     host.calm(3.0)
     assert troubles(host) == [GONE, GONE]
+
+
+def test_a_former_peer_that_cannot_be_told_is_no_trouble_of_the_present_one():
+    """A connector was made to another manager before the first one had been told of its end."""
+    host = FakeHost("m1", "m2", "m3")
+    for name, instance in (("m1", "A"), ("m2", "B"), ("m3", "B")):
+        assert host.make(name, instance, "slave").result.ok
+    host.ask("m1", _wire_to("m2"))
+    host.calm(1.0)
+    host.ask("m1", Disconnect("w"))
+    host.deliver(is_lost=True)
+    asked = host.ask("m1", _wire_to("m3"))
+    (second,) = (each for each in host.letters if each.asked.peer == "m2")
+    host.letters.remove(second)
+    host.calm(0.5)
+    assert asked.result.ok, asked.result
+    host.letters.append(second)
+    host.deliver(is_lost=True)
+    assert host.trouble("m1", "w") == WHOLE
+    host.calm(3.0)
+    assert troubles(host) == [WHOLE, GONE, WHOLE]
+
+
+def _wire_to(peer):
+    ends = (PortRef("A", "out"), PortRef(far_name("B", peer), "in"))
+    return Connect(ConnectorProfile("w", "w", ends, {"dataport.dataflow_type": "push"}))
 
 
 def test_who_has_begun_anew_is_no_reason_to_forget(host):
