@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rtkit.component.actuators import *  # noqa: F403
     from rtkit.component.base import Component as Component
     from rtkit.component.base import Manager as Manager
+    from rtkit.component.connector_events import ConnectorEvent as ConnectorEvent
     from rtkit.component.extended import *  # noqa: F403
     from rtkit.component.fsm import EventPort as EventPort
     from rtkit.component.fsm import FsmComponent as FsmComponent
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "base": ("Component", "Manager"),
+    "connector_events": ("ConnectorEvent",),
     "fsm": ("EventPort", "FsmComponent", "State", "takes"),
     "interface": ("raises", "returns"),
     "parameter": ("Parameter",),

@@ -38,6 +38,7 @@ from typing import Any, ClassVar, TypeVar
 
 from rtkit.component.base import Component
 from rtkit.component.buffer import Sink, Source
+from rtkit.component.connector_events import ConnectorEvent, receiving
 from rtkit.component.options import PortStatus
 from rtkit.component.port import InPort, Listener, Renew
 from rtkit.component.state_table import StateTable, StateTransition, Table, lineage
@@ -173,7 +174,8 @@ class EventPort(InPort[Any]):
         """
         event = self._event_of(connector)
         with self._lock:
-            self._admit(connector.connector_id)
+            self._enter(connector)
+        self._notify(ConnectorEvent.CONNECTED, connector)
 
         def write(value: Any) -> PortStatus | None:
             if len(self._queue) >= _LONGEST_QUEUE:
@@ -183,7 +185,13 @@ class EventPort(InPort[Any]):
                 self._listener()
             return None
 
-        return write
+        def write_notifying(value: Any) -> PortStatus | None:
+            listeners = self._listeners
+            if listeners is None:
+                return write(value)
+            return receiving(listeners, connector, self._queue, write)(value)
+
+        return write_notifying
 
     def open_pull(self, connector: ConnectorProfile, source: Source[Any]) -> None:
         """Refuse: events are pushed.
@@ -196,6 +204,9 @@ class EventPort(InPort[Any]):
     def listen(self, listener: Listener | None) -> None:
         """Have `listener` called after each event, by the thread that brings it."""
         self._listener = listener
+
+    def _type_of(self, connector: ConnectorProfile) -> type:
+        return self.data_type_for(connector)
 
     def _event_of(self, connector: ConnectorProfile) -> str:
         properties = connector.properties

@@ -6,10 +6,9 @@ closed by another thread, which replaces tuples and never changes one in place.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, TypeVar, cast
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol, TypeVar, cast
 
-from rtkit.component.any_port import Port
 from rtkit.component.buffer import (
     AnyRing,
     AwaitedRing,
@@ -20,13 +19,20 @@ from rtkit.component.buffer import (
     Source,
     make_ring,
 )
-from rtkit.component.definition import definition_of
-from rtkit.component.options import ConnectorOptions, EmptyPolicy, PortStatus, parse_options
-from rtkit.component.port_watch import Watchable
-from rtkit.component.typenames import type_name
+from rtkit.component.connector_events import (
+    ConnectorEvent,
+    NotifyingBuffer,
+    buffering,
+    give,
+    receiving,
+    send_buffered,
+    sending,
+)
+from rtkit.component.data_port import DataPort
+from rtkit.component.options import EmptyPolicy, PortStatus
 from rtkit.errors import Malformed
 from rtkit.rtc.enums import PortType
-from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortProfile
+from rtkit.rtc.profiles import ConnectorProfile
 
 if TYPE_CHECKING:
     from rtkit.component.held_values import HeldValues
@@ -40,47 +46,11 @@ Renew = Callable[[Sink[T]], object]
 Listener = Callable[[], None]
 
 
-class DataPort(Port, Watchable[T]):
-    """A port that carries values of one type."""
+class Queue(Protocol):
+    """A keeper of values at an out port until they are sent."""
 
-    def __init__(
-        self,
-        data_type: type[T],
-        name: str = "",
-        properties: Mapping[str, str] | None = None,
-        *,
-        doc: str = "",
-    ) -> None:
-        if not isinstance(data_type, type):
-            raise Malformed(f"a data type is a class, not {data_type!r}")
-        own = {
-            "dataport.data_type": type_name(data_type),
-            "dataport.interface_type": "zenoh,direct,corba_cdr,data_service",
-            "dataport.dataflow_type": "push,pull",
-            "dataport.subscription_type": "flush,new,periodic",
-        }
-        super().__init__(name, {**own, **(properties or {})}, doc=doc)
-        self.data_type = data_type
-        self._begin()
-
-    def _begin(self) -> None:
-        """Set up what a port of this direction keeps."""
-        raise NotImplementedError
-
-    @property
-    def profile(self) -> PortProfile:
-        """The port as others see it, with the definition of a data type of one's own."""
-        definition = definition_of(self.data_type)
-        extra = {DEFINITION: definition} if definition else {}
-        return PortProfile(self.name, self.port_type, {**self.properties, **extra})
-
-    def copy(self) -> DataPort[T]:
-        """Return a port of the same kind without connectors, for another instance."""
-        return type(self)(self.data_type, self.name, self.properties)
-
-    def _options(self, connector: ConnectorProfile) -> ConnectorOptions:
-        defaults = {key: value for key, value in self.properties.items() if ".buffer." in key}
-        return parse_options({**defaults, **connector.properties})
+    def close(self) -> None:
+        """Accept no more values and wake whoever waits."""
 
 
 class InPort(DataPort[T]):
@@ -95,7 +65,8 @@ class InPort(DataPort[T]):
 
     def _begin(self) -> None:
         self._buffers: tuple[Buffer[T], ...] = ()
-        self._left: tuple[Buffer[T], ...] = ()
+        self._read_from: tuple[Buffer[T], ...] = ()  # the same, with those who listen to reads
+        self._left: tuple[tuple[ConnectorProfile, Buffer[T]], ...] = ()
         self._policies: dict[str, tuple[AnyRing[T] | Pulled[T], EmptyPolicy]] = {}
         self._waits = False
         self._reads_back = True
@@ -126,7 +97,7 @@ class InPort(DataPort[T]):
         When there is none: the last value again (policy ``readback``, the default), or None; or
         the next one, after waiting (``block``). None while nothing has ever arrived.
         """
-        buffers = self._buffers
+        buffers = self._read_from
         if len(buffers) == 1:  # nearly always; one call is enough then
             value = buffers[0].wait() if self._waits else buffers[0].take()
         else:
@@ -142,7 +113,7 @@ class InPort(DataPort[T]):
     def read_all(self) -> list[T]:
         """Return every value not read yet, those of one connector in order."""
         values = []
-        for buffer in self._buffers:
+        for buffer in self._read_from:
             for _ in range(len(buffer)):
                 value = buffer.take()
                 if value is not None:
@@ -167,11 +138,13 @@ class InPort(DataPort[T]):
         """
         options = self._options(connector).inport
         ring: AnyRing[T] = make_ring(options)
-        self._add(connector.connector_id, ring, options.empty_policy)
+        self._add(connector, ring, options.empty_policy)
         with self._lock:
             if renew is not None:
                 self._renewals[connector.connector_id] = (ring, renew)
-            return self._sink_of(connector.connector_id, ring)
+            sink = self._sink_of(connector.connector_id, ring)
+        self._notify(ConnectorEvent.CONNECTED, connector)
+        return sink
 
     def renew(self, connector_id: str) -> None:
         """Pass the sink to use from now on to the opener of the connector."""
@@ -221,10 +194,11 @@ class InPort(DataPort[T]):
         # An in port that blocks leaves the waiting to the other end, which owns the buffer.
         policy = options.empty_policy
         self._add(
-            connector.connector_id,
+            connector,
             Pulled(source),
             policy if policy is not EmptyPolicy.BLOCK else EmptyPolicy.DO_NOTHING,
         )
+        self._notify(ConnectorEvent.CONNECTED, connector)
 
     def close(self, connector_id: str) -> None:
         """Close a connector; wake its waiting reader or writer.
@@ -232,29 +206,48 @@ class InPort(DataPort[T]):
         What had arrived by the last ones that were closed can still be read.
         """
         with self._lock:
-            self._dismiss(connector_id)
+            connector = self._leave(connector_id)
             self._renewals.pop(connector_id, None)
             self._feeds.pop(connector_id, None)
             closed = self._policies.pop(connector_id, None)
-            if closed is not None:
+            if closed is not None and connector is not None:
                 buffer = closed[0]
                 buffer.close()
                 if not isinstance(buffer, Pulled):
-                    self._left = (*self._left, buffer)
+                    self._left = (*self._left, (connector, buffer))
             self._refresh()
+        self._notify(ConnectorEvent.DISCONNECTED, connector)
 
-    def _add(self, connector_id: str, buffer: AnyRing[T] | Pulled[T], policy: EmptyPolicy) -> None:
+    def _add(
+        self, connector: ConnectorProfile, buffer: AnyRing[T] | Pulled[T], policy: EmptyPolicy
+    ) -> None:
         with self._lock:
-            self._admit(connector_id)
-            self._policies[connector_id] = (buffer, policy)
+            self._enter(connector)
+            self._policies[connector.connector_id] = (buffer, policy)
             self._refresh()
 
     def _refresh(self) -> None:
         policies = [policy for _, policy in self._policies.values()]
-        self._left = tuple(filter(len, self._left))[-_MOST_LEFT:]
-        self._buffers = (*self._left, *(buffer for buffer, _ in self._policies.values()))
+        self._left = tuple(each for each in self._left if len(each[1]))[-_MOST_LEFT:]
+        left = (buffer for _, buffer in self._left)
+        self._buffers = (*left, *(buffer for buffer, _ in self._policies.values()))
+        self._read_from = self._to_read_from()
         self._waits = EmptyPolicy.BLOCK in policies
         self._reads_back = not policies or EmptyPolicy.READBACK in policies
+
+    def _to_read_from(self) -> tuple[Buffer[T], ...]:
+        """Return the buffers so that listeners are told what leaves them."""
+        if self._listeners is None:
+            return self._buffers
+        listeners = self._listeners
+        left = (NotifyingBuffer(listeners, *each, waits=False) for each in self._left)
+        present = (
+            NotifyingBuffer(
+                listeners, self._profiles[id], buffer, waits=policy is EmptyPolicy.BLOCK
+            )
+            for id, (buffer, policy) in self._policies.items()
+        )
+        return (*left, *present)
 
     def _take_in_turn(self, buffers: tuple[Buffer[T], ...]) -> T | None:
         # After the one read last, so that a connector that floods does not starve the others.
@@ -275,15 +268,19 @@ class InPort(DataPort[T]):
         return None
 
     def _rewire(self) -> None:
+        self._refresh()
+        has_listeners = self._listener is not None or self._listeners is not None
         for connector_id, (ring, renew) in self._renewals.items():
             renew(self._sink_of(connector_id, ring))
             if isinstance(ring, AwaitedRing):  # a listener is told at once, reader or none
                 feed = self._feeds.get(connector_id)
-                ring.feed = feed if self._listener is None else None
+                ring.feed = None if has_listeners else feed
 
     def _sink_of(self, connector_id: str, ring: AnyRing[T]) -> Sink[T]:
         watch = self._watch
         write = ring.write if watch is None else watch.noting(connector_id, ring)
+        if self._listeners is not None:
+            write = receiving(self._listeners, self._profiles[connector_id], ring, write)
         return self._with_listener(write)
 
     def _with_listener(self, write: Sink[T]) -> Sink[T]:
@@ -315,7 +312,7 @@ class OutPort(DataPort[T]):
         self._way: tuple[Callable[[T], bool], tuple[Sink[T], ...]] = (self._compile, ())
         self._encoding: set[str] = set()
         self._by_id: dict[str, Sink[T]] = {}
-        self._pulled: dict[str, Buffer[T]] = {}
+        self._queues: dict[str, Queue] = {}
         self._held: dict[str, HeldValues[T]] = {}
         self.written = 0
 
@@ -364,11 +361,22 @@ class OutPort(DataPort[T]):
         from rtkit.component.carried import test_of
 
         test = test_of(self.data_type)
-        is_encoded = bool(self._by_id) and self._encoding.issuperset(self._by_id)
-        sinks = tuple(self._by_id.values())
+        # Nobody listens to what may yet be refused, so a test is made here then.
+        is_encoded = self._listeners is None and self._encoding.issuperset(self._by_id)
+        sinks = tuple(self._notifying(id, sink) for id, sink in self._by_id.items())
         if self._watch is not None:
             sinks = (*sinks, self._watch.note)
-        self._way = (self._is_ours if is_encoded else test, sinks)
+        self._way = (self._is_ours if self._by_id and is_encoded else test, sinks)
+
+    def _notifying(self, connector_id: str, sink: Sink[T]) -> Sink[T]:
+        """Return a sink that tells the listeners, if there are any and the connector is open."""
+        connector = self._profiles.get(connector_id)
+        if self._listeners is None or connector is None:
+            return sink
+        queue = self._queues.get(connector_id)
+        if queue is None:
+            return sending(self._listeners, connector, sink)
+        return buffering(self._listeners, connector, queue, sink)
 
     def _is_ours(self, value: T) -> bool:
         return value.__class__ is self.data_type or isinstance(value, self.data_type)
@@ -385,10 +393,18 @@ class OutPort(DataPort[T]):
         except Malformed as error:
             raise Malformed(f"port {self.name}: {error}") from None
 
-    def attach(self, connector_id: str, sink: Sink[T], *, is_encoding: bool = False) -> None:
-        """Open a push connector: each value written is given to `sink`.
+    def attach(
+        self,
+        connector: ConnectorProfile | str,
+        sink: Sink[T],
+        *,
+        is_encoding: bool = False,
+        queue: Queue | None = None,
+    ) -> None:
+        """Open a push connector, of which the id will do: each value written goes to `sink`.
 
-        One that is encoding makes bytes of a value at once, and raises what does not fit.
+        A sink that is encoding makes bytes of a value at once, and raises what does not fit. One
+        that fills a queue leaves it to `send_notifying` to tell listeners what is sent.
 
         Raises:
             Refused: It is open already, or the port takes no more.
@@ -397,15 +413,32 @@ class OutPort(DataPort[T]):
         from rtkit.component.carried import test_of
 
         test_of(self.data_type)  # made here, not in the period of the first value
+        if isinstance(connector, str):
+            connector = ConnectorProfile(connector, connector, ())
+        connector_id = connector.connector_id
         with self._lock:
-            self._admit(connector_id)
+            self._enter(connector)
+            if queue is not None:
+                self._queues[connector_id] = queue
             held = self._held.pop(connector_id, None)
             if held is not None:
-                held.resume(sink)
+                held.resume(sink)  # without listeners: they may use the port, which is locked
             self._by_id[connector_id] = sink
             if is_encoding:
                 self._encoding.add(connector_id)
             self._find_way()
+        self._notify(ConnectorEvent.CONNECTED, connector)
+
+    def send_notifying(self, connector: ConnectorProfile, sink: Sink[T]) -> Sink[T]:
+        """Return a sink for what leaves a queue, which tells those who listen by then."""
+
+        def send(value: T) -> PortStatus | None:
+            listeners = self._listeners
+            if listeners is None:
+                return sink(value)
+            return send_buffered(listeners, connector, sink, value)
+
+        return send
 
     def replace(self, connector_id: str, sink: Sink[T]) -> None:
         """Give what is written to another sink from now on; a closed connector stays closed."""
@@ -421,23 +454,26 @@ class OutPort(DataPort[T]):
         connector_id = connector.connector_id
         held: HeldValues[T] = HeldValues(self._options(connector).inport)
         with self._lock:
-            self._dismiss(connector_id)
+            left = self._leave(connector_id)
             self._encoding.discard(connector_id)
+            self._queues.pop(connector_id, None)
             self._by_id[connector_id] = held.write
             self._held[connector_id] = held
             self._find_way()
+        self._notify(ConnectorEvent.DISCONNECTED, left)
 
     def detach(self, connector_id: str) -> None:
         """Close a connector; a write that is under way may still reach it once."""
         with self._lock:
-            self._dismiss(connector_id)
+            left = self._leave(connector_id)
             self._held.pop(connector_id, None)
             if self._by_id.pop(connector_id, None) is not None:
                 self._encoding.discard(connector_id)
                 self._find_way()
-            pulled = self._pulled.pop(connector_id, None)
-        if pulled is not None:
-            pulled.close()
+            queue = self._queues.pop(connector_id, None)
+        if queue is not None:
+            queue.close()
+        self._notify(ConnectorEvent.DISCONNECTED, left)
 
     def open_pull(self, connector: ConnectorProfile) -> Source[T]:
         """Open a pull connector; return the source of its values, which waits if the policy does.
@@ -446,13 +482,18 @@ class OutPort(DataPort[T]):
             Refused: It is open already, or the port takes no more.
             Malformed: A property of the connector cannot be read.
         """
-        ring: AnyRing[T] = make_ring(self._options(connector).outport)
-        self.attach(connector.connector_id, ring.write)
-        with self._lock:
-            self._pulled[connector.connector_id] = ring
+        options = self._options(connector).outport
+        ring: AnyRing[T] = make_ring(options)
+        self.attach(connector, ring.write, queue=ring)
+        has_waited = options.empty_policy is EmptyPolicy.BLOCK
 
         def take() -> T | None:
             value = ring.take()
-            return ring.wait() if value is None else value
+            if value is None:
+                value = ring.wait()
+            listeners = self._listeners
+            if listeners is None:
+                return value
+            return give(listeners, connector, value, has_waited=has_waited)
 
         return take

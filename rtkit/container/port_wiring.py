@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary, ref
 
-from rtkit.component.buffer import Sink, Source, make_ring, select
+from rtkit.component.buffer import AnyRing, Sink, Source, make_ring, select
 from rtkit.component.carried import passage
 from rtkit.component.codec import codec_for, encoder_for, splitter_for
 from rtkit.component.options import (
@@ -92,7 +92,7 @@ class PortWiring:
             return
         sink = into.open(connector, lambda sink: out.replace(id, _changing(sink, change, id)))
         with _undone(lambda: into.close(id)):
-            out.attach(id, _changing(sink, change, id))
+            out.attach(connector, _changing(sink, change, id))
         into.renew(id)
 
     def receive(self, connector: ConnectorProfile, into: InPort[Any]) -> str:
@@ -247,14 +247,16 @@ class PortWiring:
         is_encoding: bool = False,
     ) -> None:
         if options.subscription == "periodic":
+            sink = out.send_notifying(connector, sink)
             publisher = _Publisher(connector.connector_id, sink, options)
             with _undone(publisher.close):
-                out.attach(connector.connector_id, publisher.write)
+                out.attach(connector, publisher.write, queue=publisher.ring)
             self.keep(connector, publisher)
         elif _is_wrapped(options):
-            out.attach(connector.connector_id, _every(sink, options.skip_count + 1))
+            group = _Group(out.send_notifying(connector, sink), options.skip_count + 1)
+            out.attach(connector, group.write, queue=group)
         else:
-            out.attach(connector.connector_id, sink, is_encoding=is_encoding)
+            out.attach(connector, sink, is_encoding=is_encoding)
 
     def keep(self, connector: ConnectorProfile, end: ConnectorEnd) -> None:
         """Have an end closed when its connector is cut."""
@@ -366,16 +368,21 @@ def _present_sink(into: InPort[Any], connector: ConnectorProfile) -> Sink[Any]:
     return lambda value: sinks[0](value)
 
 
-def _every(sink: Sink[Any], group: int) -> Sink[Any]:
-    """Return a sink that lets the last of each `group` values through."""
-    count = 0
+class _Group:
+    """Lets the last of each `size` values through."""
 
-    def write(value: Any) -> Any:
-        nonlocal count
-        count += 1
-        return sink(value) if count % group == 0 else None
+    def __init__(self, sink: Sink[Any], size: int) -> None:
+        self._sink = sink
+        self._size = size
+        self._count = 0
 
-    return write
+    def write(self, value: Any) -> PortStatus | None:
+        """Take a value."""
+        self._count += 1
+        return self._sink(value) if self._count % self._size == 0 else None
+
+    def close(self) -> None:
+        """Do nothing: nobody waits here."""
 
 
 class _Publisher:
@@ -383,24 +390,24 @@ class _Publisher:
 
     def __init__(self, name: str, sink: Sink[Any], options: ConnectorOptions) -> None:
         self._name = name
-        self._ring: Any = make_ring(options.outport)
+        self.ring: AnyRing[Any] = make_ring(options.outport)
         self._sink = sink
         self._options = options
         self._closed = threading.Event()
-        self.write: Sink[Any] = self._ring.write
+        self.write: Sink[Any] = self.ring.write
         self._thread = start_thread(self._run, f"publish {name}")
 
     def close(self) -> None:
         """Send nothing more."""
         self._closed.set()
-        self._ring.close()
+        self.ring.close()
 
     def finish(self, timeout_s: float) -> None:
         """Send what its policy would send of what is left, at once; then nothing more."""
         self._closed.set()
         self._thread.join(timeout_s)
         options = self._options
-        while values := select(options.push_policy, self._ring, options.skip_count):
+        while values := select(options.push_policy, self.ring, options.skip_count):
             for value in values:
                 self._send(value)
 
@@ -408,7 +415,7 @@ class _Publisher:
         options = self._options
         period = Period(options.push_rate, time.monotonic_ns())
         while not self._closed.wait(period.wait_s(time.monotonic_ns())):
-            for value in select(options.push_policy, self._ring, options.skip_count):
+            for value in select(options.push_policy, self.ring, options.skip_count):
                 self._send(value)
             period.advance(time.monotonic_ns())
 
