@@ -59,7 +59,7 @@ def note(session: Session, taken: Sequence[tuple[Action, float]], types: Mapping
     times = read(session).noting(taken, types)
     try:
         make_private(state_dir())
-        write_output(times_to_text(times).encode(), path())
+        write_output(times_to_text(times).encode(), path(), is_lasting=False)
     except RtkitError as error:
         session.fail(f"what steps took is not kept: {error}")
 

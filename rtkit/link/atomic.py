@@ -19,12 +19,18 @@ _LONGEST = 180
 
 
 def write_output(
-    data: bytes, output: str, *, is_new: bool = False, mode: int | None = None
+    data: bytes,
+    output: str,
+    *,
+    is_new: bool = False,
+    mode: int | None = None,
+    is_lasting: bool = True,
 ) -> None:
     """Write to a file, or to stdout for ``-``.
 
     A file that was there is replaced in one step and keeps its mode; a link stays a link. If it
-    must be new, what is there is never touched. A new file may be given a mode of its own.
+    must be new, what is there is never touched. A new file may be given a mode of its own. One that
+    need not be `is_lasting` may be lost, or empty, after a power cut: the disk is not waited for.
 
     Raises:
         NotFound: It cannot be written; an earlier file is unchanged.
@@ -40,7 +46,8 @@ def write_output(
             with open(place, "wb") as stream:
                 stream.write(data)
         else:
-            _replace(data, place, _mode(place) if mode is None else mode, is_new=is_new)
+            mode = _mode(place) if mode is None else mode
+            _replace(data, place, mode, is_new=is_new, is_lasting=is_lasting)
     except FileExistsError as error:
         raise Refused(f"{output} is there already; --force replaces it") from error
     except (OSError, ValueError) as error:
@@ -48,7 +55,7 @@ def write_output(
         raise NotFound(f"cannot write {output}: {why}") from error
 
 
-def _replace(data: bytes, place: str, mode: int, *, is_new: bool) -> None:
+def _replace(data: bytes, place: str, mode: int, *, is_new: bool, is_lasting: bool) -> None:
     """Write a draft beside the target, and move it there.
 
     The draft has no name where the file system allows it, so that a kill leaves nothing behind.
@@ -61,8 +68,8 @@ def _replace(data: bytes, place: str, mode: int, *, is_new: bool) -> None:
     draft = os.path.join(folder, f".{stem}.{os.getpid()}.{get_native_id()}{_DRAFT}")
     try:
         target = place if is_new else draft
-        if not _write_nameless(folder, data, mode, target):
-            _write_named(data, mode, draft)
+        if not _write_nameless(folder, data, mode, target, is_lasting=is_lasting):
+            _write_named(data, mode, draft, is_lasting=is_lasting)
             target = draft
         fault.point("file.named")
         if target == draft and not (is_new and _link(draft, place)):
@@ -71,10 +78,11 @@ def _replace(data: bytes, place: str, mode: int, *, is_new: bool) -> None:
     finally:
         with suppress(FileNotFoundError):
             os.unlink(draft)
-    _sync(folder)
+    if is_lasting:
+        _sync(folder)
 
 
-def _write_nameless(folder: str, data: bytes, mode: int, target: str) -> bool:
+def _write_nameless(folder: str, data: bytes, mode: int, target: str, *, is_lasting: bool) -> bool:
     """Write a file, then link it at `target`; return False where the file system cannot."""
     try:
         descriptor = os.open(folder, os.O_TMPFILE | os.O_WRONLY | os.O_CLOEXEC, 0o600)
@@ -83,22 +91,23 @@ def _write_nameless(folder: str, data: bytes, mode: int, target: str) -> bool:
             return False
         raise
     with open(descriptor, "wb") as stream:
-        _write(stream, data, mode)
+        _write(stream, data, mode, is_lasting=is_lasting)
         # With a folder named, though the path is absolute, the link of /proc is followed.
         return _link(f"/proc/self/fd/{descriptor}", target, folder=descriptor)
 
 
-def _write_named(data: bytes, mode: int, draft: str) -> None:
+def _write_named(data: bytes, mode: int, draft: str, *, is_lasting: bool) -> None:
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
     with open(os.open(draft, flags, 0o600), "wb") as stream:
-        _write(stream, data, mode)
+        _write(stream, data, mode, is_lasting=is_lasting)
 
 
-def _write(stream: BinaryIO, data: bytes, mode: int) -> None:
+def _write(stream: BinaryIO, data: bytes, mode: int, *, is_lasting: bool) -> None:
     stream.write(data)
     stream.flush()
     os.fchmod(stream.fileno(), mode)
-    os.fsync(stream.fileno())
+    if is_lasting:
+        os.fsync(stream.fileno())
     fault.point("file.written")
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import os
 from typing import NamedTuple
 
-from rtkit.link.processes import stat_of
-
 _TABLES = ("/proc/net/tcp", "/proc/net/tcp6")
 _LISTENING = "0A"
 SERVANT = "rtkit TCP port"
@@ -31,6 +29,8 @@ def port_holder(port: int) -> PortHolder | None:
     found = listener(port)
     if found is None or found.name != SERVANT:
         return found
+    from rtkit.link.processes import stat_of
+
     fields = stat_of(found.pid)
     parent = int(fields[1]) if fields else 0
     return PortHolder(found.uid, parent, _name(parent)) if parent > 1 else found

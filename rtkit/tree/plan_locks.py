@@ -14,7 +14,6 @@ from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.link import stopping
 from rtkit.link.places import host_name
 from rtkit.link.port_holders import user_name
-from rtkit.link.processes import ProcessWatch
 from rtkit.rtc.serde import encode
 from rtkit.tree.client import Tree
 
@@ -97,6 +96,8 @@ class PlanLocks(Closing):
         if holder.host != host_name():
             time.sleep(timeout_s)  # its end cannot be seen from here
             return
+        from rtkit.link.processes import ProcessWatch
+
         try:
             life = ProcessWatch(holder.pid)
         except ProcessLookupError:

@@ -150,3 +150,14 @@ def test_the_longest_name(tmp_path: Path) -> None:
     write_output(b"text", str(tmp_path / ("ä" * 127)))
     write_output(b"more", str(tmp_path / ("ä" * 127)))
     assert [file.read_bytes() for file in tmp_path.iterdir()] == [b"more"]
+
+
+@pytest.mark.parametrize("is_lasting", [True, False])
+def test_only_for_what_has_to_last_the_disk_is_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_lasting: bool
+) -> None:
+    synced: list[int] = []
+    monkeypatch.setattr(os, "fsync", synced.append)
+    write_output(b"text", str(tmp_path / "a"), is_lasting=is_lasting)
+    assert (tmp_path / "a").read_bytes() == b"text"
+    assert bool(synced) is is_lasting
