@@ -257,7 +257,8 @@ class LiveValues:
         if returning is not None:
             returning.before_set()
         if writer is not None:
-            to_payload(node.spec.type, value)
+            if type(value) is not float:  # for that there is always a text
+                to_payload(node.spec.type, value)
             outcome = self.user_code.call(lambda: writer(value, parameters))
             changed = result_of(outcome, (ValueError, TypeError))
             value = value if changed is None else changed

@@ -108,15 +108,17 @@ class PropertyNode:
         payload: Payload | None
         old = self.value
         if type(value) is float and type(old) is float and self.history is None:
-            payload = None  # decision 34: a loop sets it more often than somebody reads it
             # Zeros have a sign, and what is no number is not equal to itself.
             differs = value != old if value and value == value else repr(value) != repr(old)
+            # Decision 34: a loop sets it more often than somebody reads it.
+            payload = None if differs else self._payload
         else:
             payload = to_payload(self.spec.type, value)
             differs = old is None or payload != self.payload
         has_changed = differs or quality != self.quality
         self.value, self._payload, self.time, self.quality = value, payload, time, quality
-        self._line = self._pair = None
+        if differs:
+            self._line = self._pair = None
         if has_changed:
             self.revision += 1
         # Computed values are read again and again; a kept value was set once more.

@@ -1,11 +1,12 @@
 """Dedicated workers: threads for the few clients that ask one thing after another.
 
-A thread that waits at one socket wakes sooner, and has less to do, than a loop that watches all:
-a request costs not twice, but half as much again as a bare echo. A dedicated worker answers
-only requests that need no wait, by the same rules and with the lock of the host; for anything else
-(another request, a reply that is not read, a pause) the client goes back to the loop.
+A thread that waits at one socket, answers and sends is what a bare server is: nothing is handed
+over. A loop that watches all sockets has more to do for each request, and code of users would run
+on a third thread. A dedicated worker answers by the same rules and with the lock of the host. What
+takes more than a line (several requests at once, an id, listening, a reply that is not read), what
+takes its time, and a long pause lead the client back to the loop.
 
-See decision 34.
+See decision 92.
 """
 
 from __future__ import annotations
@@ -19,22 +20,92 @@ from typing import NamedTuple
 
 MOST = 8
 """Dedicated workers of one host."""
-PAUSE_S = 0.25
+PAUSE_S = 5.0
 """How long one waits for the next request [s]."""
 _FEW = 1 << 12
-_PAUSE = struct.pack("@ll", int(PAUSE_S), int(PAUSE_S % 1 * 1e6))
+_CLOSING_S = 1.0
 
 
 class WorkerExit(NamedTuple):
     """Reason for which a dedicated worker leaves a client.
 
     Attributes:
-        data: Bytes received and not answered; empty if the client has hung up, None at a pause.
+        has_gone: The client has hung up.
         unsent: The rest of a reply that was not read.
     """
 
-    data: bytes | None
+    has_gone: bool = False
     unsent: bytes = b""
+
+
+class DedicatedWorker:
+    """Thread that serves one client.
+
+    Args:
+        end: Its socket, at which nobody else waits.
+        answer: Returns what is to be sent for what came, None to leave the client; it is called
+            with the lock.
+        back: Takes the client back; with the lock.
+    """
+
+    def __init__(
+        self,
+        end: socket.socket,
+        answer: Callable[[bytes], bytes | None],
+        back: Callable[[WorkerExit], object],
+    ) -> None:
+        self._end = end
+        self._answer = answer
+        self._back = back
+        self._is_answering = self._has_left = False
+
+    def attend(self, lock: threading.Lock, data: bytes) -> None:
+        """Answer what came, and what comes next, until the client is to be left."""
+        answer = self._answer
+        while True:
+            with lock:
+                self._is_answering = True
+                reply = answer(data)
+                self._is_answering = False
+                if reply is None:
+                    self._leave(WorkerExit())
+                    return
+            received = self._exchange(reply)
+            if isinstance(received, WorkerExit):
+                with lock:
+                    self._leave(received)
+                return
+            data = received
+
+    def _exchange(self, reply: bytes) -> bytes | WorkerExit:
+        """Send a reply, and return the next request; or why there is none."""
+        try:
+            sent = self._end.send(reply, socket.MSG_DONTWAIT)
+        except OSError:  # it has gone, which the loop will notice, or it does not read
+            sent = 0
+        if sent < len(reply):
+            return WorkerExit(unsent=reply[sent:])
+        try:
+            return self._end.recv(_FEW) or WorkerExit(has_gone=True)
+        except BlockingIOError:
+            return WorkerExit()
+        except OSError:
+            return WorkerExit(has_gone=True)
+
+    def dismiss(self) -> None:
+        """Leave the client at once, if code of a user has not come back yet; with the lock."""
+        if self._is_answering:
+            self._leave(WorkerExit())
+
+    def _leave(self, left: WorkerExit) -> None:
+        if not self._has_left:
+            self._has_left = True
+            self._back(left)
+
+    def hang_up(self) -> None:
+        """Hang up on the client."""
+        with contextlib.suppress(OSError):  # it has hung up itself
+            self._end.shutdown(socket.SHUT_RDWR)
 
 
 class DedicatedWorkers:
@@ -46,60 +117,31 @@ class DedicatedWorkers:
 
     def __init__(self, lock: threading.Lock) -> None:
         self._lock = lock
-        self._ends: dict[socket.socket, threading.Thread] = {}
+        self._threads: dict[DedicatedWorker, threading.Thread] = {}
 
-    def begin(
-        self,
-        end: socket.socket,
-        answer: Callable[[bytes], bytes | None],
-        back: Callable[[WorkerExit], object],
-    ) -> bool:
-        """Attend to a client, at whose socket nobody else waits; return whether one is free.
+    @property
+    def is_any_free(self) -> bool:
+        """Return whether there may be one more."""
+        return len(self._threads) < MOST
 
-        Args:
-            end: Its socket.
-            answer: Returns the reply to what came, None if it takes more than a look; it is called
-                with the lock.
-            back: Takes the client back; on the thread of the dedicated worker.
-        """
-        if len(self._ends) >= MOST:
-            return False
+    def begin(self, worker: DedicatedWorker, end: socket.socket, run: Callable[[], object]) -> None:
+        """Have a worker attend to its client; `run` is called by its thread."""
 
-        def run() -> None:
-            left = self._attend(end, answer)
-            del self._ends[end]
-            back(left)
+        def work() -> None:
+            try:
+                run()
+            finally:
+                del self._threads[worker]
 
-        end.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, _PAUSE)
+        pause = struct.pack("@ll", int(PAUSE_S), int(PAUSE_S % 1 * 1e6))
+        end.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, pause)
         end.setblocking(True)
-        self._ends[end] = threading.Thread(target=run, name="attendant", daemon=True)
-        self._ends[end].start()
-        return True
-
-    def _attend(self, end: socket.socket, answer: Callable[[bytes], bytes | None]) -> WorkerExit:
-        receive, send, lock = end.recv, end.send, self._lock
-        at_once = socket.MSG_DONTWAIT
-        while True:
-            try:
-                data = receive(_FEW)
-            except BlockingIOError:
-                return WorkerExit(None)
-            except OSError:
-                return WorkerExit(b"")
-            with lock:
-                reply = answer(data)
-            if reply is None:
-                return WorkerExit(data)
-            try:
-                sent = send(reply, at_once)
-            except OSError:  # it has gone, which the loop will notice, or it does not read
-                sent = 0
-            if sent < len(reply):
-                return WorkerExit(None, reply[sent:])
+        thread = threading.Thread(target=work, name="attendant", daemon=True)
+        self._threads[worker] = thread
+        thread.start()
 
     def close(self) -> None:
-        """Hang up on those who are attended to, and wait until nobody is."""
-        for end, thread in list(self._ends.items()):
-            with contextlib.suppress(OSError):  # it has hung up itself
-                end.shutdown(socket.SHUT_RDWR)
-            thread.join()
+        """Hang up on those who are attended to; wait until nobody is, but not for user code."""
+        for worker, thread in list(self._threads.items()):
+            worker.hang_up()
+            thread.join(_CLOSING_S)

@@ -18,7 +18,7 @@ from rtkit.guard import GuardedResult, guarded
 from rtkit.link.wakeup import Wakeup
 from rtkit.property.access import AccessPolicy
 from rtkit.property.codes import PropertyError
-from rtkit.serving.dedicated_worker import DedicatedWorkers, WorkerExit
+from rtkit.serving.dedicated_worker import DedicatedWorker, DedicatedWorkers, WorkerExit
 from rtkit.serving.provider import PropertyProvider
 from rtkit.serving.workers import Workers
 
@@ -171,29 +171,36 @@ class PropertyEventLoop:
     def attend(
         self,
         end: ByteStream,
+        data: bytes,
         answer: Callable[[bytes], bytes | None],
         back: Callable[[WorkerExit], object],
-    ) -> None:
-        """Hand a client to a dedicated worker, if one is free; on the loop's thread.
+    ) -> bool:
+        """Hand a client to a dedicated worker; return whether one is free. On the loop's thread.
 
         Args:
-            end: Its socket; of what is none, nothing changes.
-            answer: Returns the reply to what came, None if it takes more than a look.
+            end: Its socket.
+            data: What came and is not answered.
+            answer: Returns what is to be sent for what came, None to have the client back; it is
+                called with the lock, and lets go of it while code of users runs.
             back: Takes the client back; on the loop's thread.
         """
-        if not isinstance(end, socket.socket):
-            return
-
-        def leave(left: WorkerExit) -> None:
-            self.post(lambda: take_back(left))
+        if not (isinstance(end, socket.socket) and self._workers.is_any_free):
+            return False
 
         def take_back(left: WorkerExit) -> None:
             end.setblocking(False)
             self._epoll.register(end.fileno(), select.EPOLLIN)
             back(left)
 
-        if self._workers.begin(end, answer, leave):
-            self._epoll.unregister(end.fileno())
+        worker = DedicatedWorker(end, answer, lambda left: self.post(lambda: take_back(left)))
+
+        def run() -> None:
+            with self.user_code.called_here(worker.dismiss):
+                worker.attend(self.lock, data)
+
+        self._epoll.unregister(end.fileno())
+        self._workers.begin(worker, end, run)
+        return True
 
     def mark(self, handler: IOHandler) -> None:
         """Note that a handler has something to send; called under the lock."""

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Iterator
+from contextlib import contextmanager
 from time import monotonic
 from typing import Any
 
@@ -29,14 +30,20 @@ LONGEST_S = 60.0
 MOST_THREADS = 64
 MOST_WAITING = 4096
 _MOST_ACTIONS = 64
+_LEAST_WAIT_S = 1.0
+"""Time-out of a request that may end later by what the loop takes to look again [s]."""
 _CLOSING_S = 1.0
 LATE = Answer("the code behind it has not answered in time", "timeout")
 
 
 class _Job:
-    """Call of user code, and the requester to refuse when it takes too long."""
+    """Call of user code, and the requester to refuse when it takes too long.
 
-    __slots__ = ("began_at", "is_slow", "lane", "refuse", "until", "work")
+    Attributes:
+        when_slow: Called on the loop once it holds up others; None where nobody has to know.
+    """
+
+    __slots__ = ("began_at", "is_slow", "lane", "refuse", "until", "when_slow", "work")
 
     def __init__(
         self, lane: str, work: Work, refuse: Callable[[Answer], object], until: float
@@ -47,6 +54,7 @@ class _Job:
         self.until = until
         self.began_at = 0.0
         self.is_slow = False
+        self.when_slow: Work | None = None
 
 
 class Workers(UserCode):
@@ -65,6 +73,7 @@ class Workers(UserCode):
         self._due: deque[_Job] = deque()
         self._jobs: dict[_Job, None] = {}
         self._threads: dict[int, threading.Thread] = {}
+        self._here: dict[int, Work] = {}
         self._idle = 0
         self._slow = 0
         self._actions = 0
@@ -103,8 +112,47 @@ class Workers(UserCode):
         self._jobs[job] = None
         queue = self._lanes.setdefault(lane, deque())
         queue.append(job)
-        if len(queue) == 1:
+        if len(queue) > 1:
+            return
+        job.when_slow = self._here.get(threading.get_ident())
+        if job.when_slow is not None and self._may_begin_here(job, wait):
+            self._carry_out_here(job)
+        else:
+            job.when_slow = None
             self._due.append(job)
+            self._engage()
+
+    @contextmanager
+    def called_here(self, when_slow: Work) -> Iterator[None]:
+        """Have this thread, which serves one client, call the code that its client asks for.
+
+        So nothing is handed over. It is the one worker meanwhile.
+
+        Args:
+            when_slow: Called with the lock when it holds up others.
+        """
+        ident = threading.get_ident()
+        self._here[ident] = when_slow
+        try:
+            yield
+        finally:
+            del self._here[ident]
+
+    def _may_begin_here(self, job: _Job, wait: float) -> bool:
+        """Return whether no other user code runs or is due, and no exact time-out matters."""
+        is_exact = 0 < wait < _LEAST_WAIT_S
+        if is_exact or self._due or job.lane.startswith(ALONE):
+            return False
+        return not any(each.began_at and not each.is_slow for each in self._jobs)
+
+    def _carry_out_here(self, job: _Job) -> None:
+        ident = threading.get_ident()
+        self._threads[ident] = threading.current_thread()
+        try:
+            self._carry_out(job)
+        finally:
+            del self._threads[ident]
+        if self._due:
             self._engage()
 
     def start(self, work: Work, finished: Finished) -> None:
@@ -153,6 +201,8 @@ class Workers(UserCode):
             if job.began_at + HAND_OVER_S <= now:
                 job.is_slow = True
                 self._slow += 1
+                if job.when_slow is not None:
+                    job.when_slow()
         if self._due:
             self._engage()
         times += [job.until for job in self._jobs if job.refuse is not None]
@@ -172,7 +222,9 @@ class Workers(UserCode):
 
     def _engage(self) -> None:
         """Engage a worker for work that is due: one that waits, else a new one if all are slow."""
-        if self._idle:
+        if any(job.when_slow and job.began_at and not job.is_slow for job in self._jobs):
+            self._post(_look)  # it engages one when it is back, the loop when it is slow
+        elif self._idle:
             self._wakeup.notify()
         elif len(self._threads) - self._slow < 1 and len(self._threads) < MOST_THREADS:
             thread = threading.Thread(target=self._run, name="user-code", daemon=True)
@@ -231,3 +283,7 @@ class Workers(UserCode):
             if thread is not threading.current_thread():
                 thread.join(_CLOSING_S)
         self._coroutines.close()
+
+
+def _look() -> None:
+    """Do nothing: the loop looks at the workers after whatever it was asked to do."""

@@ -13,7 +13,7 @@ from conformance import check_answers, check_events
 from property_endpoints import BOUND_S, Lines
 
 from rtkit.property.service import Service
-from rtkit.serving import dedicated_worker
+from rtkit.serving import dedicated_worker, workers
 from rtkit.wires.line import server_connection
 from rtkit.wires.line.client import LineClient, connect_tcp, connect_unix
 from rtkit.wires.serve import ServedObject, serve
@@ -32,6 +32,7 @@ def served(place: str, service: Service) -> Iterator[ServedObject]:
 def eager(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each client has an attendant from its first request on, and again after each other one."""
     monkeypatch.setattr(server_connection, "IN_A_ROW", 1)
+    monkeypatch.setattr(dedicated_worker, "PAUSE_S", 0.2)
 
 
 def _workers() -> int:
@@ -77,6 +78,88 @@ def test_it_lets_listen_like_any_door(
     check_events(endpoint, service, served.owned)
 
 
+class Arm:
+    """Tells on which thread its code is called; one getter waits until it is let go."""
+
+    def __init__(self) -> None:
+        self.threads: set[str] = set()
+        self.is_begun = threading.Event()
+        self.may_go = threading.Event()
+        self._angle = 0.5
+
+    @property
+    def angle(self) -> float:
+        self.threads.add(threading.current_thread().name)
+        return self._angle
+
+    @angle.setter
+    def angle(self, value: float) -> None:
+        self.threads.add(threading.current_thread().name)
+        self._angle = value
+
+    @property
+    def slow(self) -> float:
+        self.is_begun.set()
+        assert self.may_go.wait(BOUND_S)
+        return 1.0
+
+
+@pytest.fixture
+def arm(place: str) -> Iterator[tuple[Arm, ServedObject]]:
+    arm = Arm()
+    with serve(arm, "arm", hide=["threads", "is_begun", "may_go"], is_on_zenoh=False) as served:
+        yield arm, served
+        arm.may_go.set()
+
+
+@pytest.mark.usefixtures("eager")
+def test_code_of_users_is_called_by_the_thread_that_reads(arm: tuple[Arm, ServedObject]) -> None:
+    with connect_unix(arm[1].socket, BOUND_S) as client:
+        client.ask("angle")
+        client.ask("angle")
+        arm[0].threads.clear()
+        for index in range(20):
+            assert client.ask("angle", str(float(index))).error == ""
+            assert client.ask("angle").payload == str(float(index))
+        assert arm[0].threads == {"attendant"}
+        assert client.ask("angle", "red").error == "bad-value"
+
+
+@pytest.mark.usefixtures("eager")
+def test_slow_code_of_one_client_holds_up_nobody(arm: tuple[Arm, ServedObject]) -> None:
+    with connect_unix(arm[1].socket, BOUND_S) as other, socket.socket(socket.AF_UNIX) as end:
+        end.settimeout(BOUND_S)
+        end.connect(arm[1].socket)
+        replies = end.makefile()
+        for _ in range(3):
+            end.sendall(b"GET angle\n")
+            assert replies.readline() == "= 0.5\n"
+        assert _workers() == 1
+        end.sendall(b"GET slow\n")
+        assert arm[0].is_begun.wait(BOUND_S)
+        assert other.ask("angle").payload == "0.5"
+        # Its own further requests are read too: with an id they need not wait for their turn.
+        end.sendall(b"GET angle\n#1 GET angle\n")
+        assert replies.readline() == "#1 = 0.5\n"
+        arm[0].may_go.set()
+        assert [replies.readline() for _ in range(2)] == ["= 1.0\n", "= 0.5\n"]
+        replies.close()
+
+
+@pytest.mark.usefixtures("eager")
+def test_code_that_never_comes_back_is_given_up(
+    arm: tuple[Arm, ServedObject], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with connect_unix(arm[1].socket, BOUND_S) as client:
+        client.ask("angle")
+        client.ask("angle")
+        monkeypatch.setattr(workers, "LONGEST_S", 0.3)
+        assert client.ask("slow").error == "timeout"
+        assert client.ask("angle").payload == "0.5"
+        arm[1].close()  # which waits for no code of users
+        assert client.detach().recv(1) == b""
+
+
 @pytest.mark.usefixtures("eager")
 def test_replies_come_in_order_whatever_is_asked_between(served: ServedObject) -> None:
     with socket.socket(socket.AF_UNIX) as end:
@@ -94,7 +177,10 @@ def test_replies_come_in_order_whatever_is_asked_between(served: ServedObject) -
         replies.close()
 
 
-def test_it_is_there_while_one_asks_and_gone_at_a_pause(served: ServedObject) -> None:
+def test_it_is_there_while_one_asks_and_gone_at_a_pause(
+    served: ServedObject, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dedicated_worker, "PAUSE_S", 0.2)
     with connect_unix(served.socket, BOUND_S) as client:
         assert client.ask("speed").error == ""
         assert _workers() == 0

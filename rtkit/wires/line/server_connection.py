@@ -40,7 +40,7 @@ HALF_S = 30.0
 _MOST_WAITING = 4096
 """Requests that are being worked on for one connection."""
 IN_A_ROW = 32
-"""Requests answered at once, between two looks at the client, for which it is given a thread."""
+"""Requests one by one, between two looks at the client, for which it is given a thread."""
 
 
 class Connection(SocketClient):
@@ -71,6 +71,7 @@ class Connection(SocketClient):
         self._is_half = False
         self._has_left = False
         self._in_a_row = 0
+        self._is_attended = False
 
     # IOHandler
 
@@ -83,7 +84,7 @@ class Connection(SocketClient):
             data = self._receive(_PIECE if self._is_half else _FEW)
             if not data:
                 return False
-            if self._is_answered(data):
+            if self._is_one(data) and self._is_answered(data):
                 return not self._out
             self._moved_at = monotonic()
             self._requests.feed(data)
@@ -91,13 +92,25 @@ class Connection(SocketClient):
             self._work()
         return False
 
-    def _is_answered(self, data: bytes) -> bool:
-        """Answer what nearly all requests are: one line, about a property that is kept here."""
+    def _is_one(self, data: bytes) -> bool:
+        """Return whether this is one request of a known client that waits for nothing else."""
         if self._out or self._is_half or self._order.waiting or self._is_closing:
             return False
-        reply = self._reply_at_once(data) if self.identity and self._pace is None else None
+        is_whole = data.find(b"\n") == len(data) - 1 and len(data) <= self._longest
+        return is_whole and data[:1] != b"#" and bool(self.identity) and self._pace is None
+
+    def _is_answered(self, data: bytes) -> bool:
+        """Have one request answered by who does it soonest; return whether there is nothing more.
+
+        Decision 34: who asks one thing after the other gets a thread that waits for it alone.
+        """
+        self._in_a_row += 1
+        if self._in_a_row > IN_A_ROW and not self.listeners:
+            self._is_attended = self._host.attend(self._end, data, self._attended, self._take_back)
+            if self._is_attended:
+                return True
+        reply = self._reply_at_once(data)
         if reply is None:
-            self._in_a_row = 0
             return False
         try:
             sent = self._end.send(reply)
@@ -107,31 +120,42 @@ class Connection(SocketClient):
             self._out += reply[sent:]
             self._moved_at = monotonic()
             self._send()
-            return True
-        self._in_a_row += 1
-        if self._in_a_row >= IN_A_ROW:
-            self._in_a_row = 0
-            # Decision 34: whoever asks one thing after the other gets a thread of its own.
-            self._host.attend(self._end, self._reply_at_once, self._take_back)
         return True
 
     def _reply_at_once(self, data: bytes) -> bytes | None:
         """Return the reply to a request that takes only a look; None if this is another."""
-        if len(data) > self._longest or data.find(b"\n") != len(data) - 1:
-            return None
         service = self._host.services.get(self._service)
         return None if service is None else service.quick(data, self)
 
+    def _attended(self, data: bytes) -> bytes | None:
+        """Return what is to be sent for what came to the worker of this client; None to end it."""
+        is_one = self._is_one(data)
+        reply = self._reply_at_once(data) if is_one else None
+        if reply is not None:
+            return reply
+        self._requests.feed(data)
+        asked = self._requests.next() if is_one else None
+        if asked is None:
+            return None
+        self._is_working = True
+        self._take(asked)
+        self._is_working = False
+        if not self._is_attended or self._order.waiting or self.listeners or self._is_closing:
+            return None
+        reply = bytes(self._out)
+        self._out.clear()
+        return reply
+
     def _take_back(self, left: WorkerExit) -> None:
         """Serve on after a dedicated worker."""
+        self._is_attended = False
+        self._in_a_row = 0
         self._moved_at = monotonic()
         self._out += left.unsent
-        if left.data == b"":
+        if left.has_gone:
             self.close()
-            return
-        if left.data is not None:
-            self._requests.feed(left.data)
-        self._work()
+        else:
+            self._work()
 
     def _work(self) -> None:
         """Take the requests that are there, as long as replies are read."""

@@ -7,8 +7,9 @@ from conformance import subject
 
 from rtkit.property.access import read_policy
 from rtkit.property.line import Requests, write_answer
-from rtkit.property.messages import Answer
-from rtkit.property.requests import PropertyRequest, Requester
+from rtkit.property.messages import Answer, PropertyEvent
+from rtkit.property.objects import Exported
+from rtkit.property.requests import ListeningRequester, PropertyRequest, Requester
 from rtkit.property.service import Service
 
 LINES = [
@@ -53,6 +54,53 @@ def test_it_comes_to_the_same(rules: str) -> None:
         assert reply == _long(long, line + b"\n", caller), line
         assert [short.get(name) for name in ENDS] == [long.get(name) for name in ENDS], line
     assert taken > 40
+
+
+class Arm:
+    """An object whose attributes are plain, and one that is not."""
+
+    def __init__(self) -> None:
+        self.angle = 0.5
+        self.mode = "idle"
+        self.joints = [1, 2]
+
+    @property
+    def double(self) -> float:
+        return 2 * self.angle
+
+
+@pytest.mark.parametrize(
+    "line",
+    [b"GET angle", b"SET angle 2.5", b"SET angle red", b"SET angle 7", b"GET mode", b"SET mode on",
+     b"GET joints", b"SET joints (1 2 3)"],
+)  # fmt: skip
+def test_plain_attributes_need_no_long_way(line: bytes) -> None:
+    short, long, caller = Service(), Service(), Requester("known")
+    one, other = Arm(), Arm()
+    Exported(short, one)
+    Exported(long, other)
+    heard = [_listening(each, "angle") for each in (short, long)]
+    assert short.quick(line + b"\n", caller) == _long(long, line + b"\n", caller)
+    assert vars(one) == vars(other)
+    assert [each.payload for each in heard[0]] == [each.payload for each in heard[1]]
+
+
+@pytest.mark.parametrize("line", [b"GET double\n", b"SET double 1\n"])
+def test_code_of_users_is_left_to_the_long_way(line: bytes) -> None:
+    service, arm = Service(), Arm()
+    Exported(service, arm)
+    assert service.quick(line, Requester("known")) is None
+
+
+def _listening(service: Service, name: str) -> list[PropertyEvent]:
+    heard: list[PropertyEvent] = []
+
+    class Ear(ListeningRequester):
+        def wake(self) -> None:
+            self.send_due(0.0, lambda: True, lambda _, event: heard.append(event))
+
+    service.handle(PropertyRequest(f"{name}.listen", "self", lambda _: None, Ear("known")))
+    return heard
 
 
 def test_it_knows_of_names_that_come_and_go() -> None:
