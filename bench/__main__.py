@@ -37,6 +37,7 @@ GROUPS = (
     "static",
     "profiles",
     "properties",
+    "events",
     "group",
     "search",
     "prompt",

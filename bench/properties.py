@@ -7,88 +7,89 @@ import os
 import socket
 import subprocess
 import sys
-import threading
-import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
-from queue import Empty, SimpleQueue
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 
 import zenoh
 
 from bench.harness import Lines, Row, folders, servers, timed
 from bench.pairs import Measure, alone, paired
-from rtkit.errors import Unreachable
+from bench.placement import kept_on, placements
 from rtkit.link import places, zenoh_keys
 from rtkit.link.zenoh import open_client, unix_endpoint
-from rtkit.wires.line.client import connect_unix
-from tests.support.zenoh_client import ZenohClient, ZenohSubscription
+from rtkit.wires.line.client import LineClient, connect_unix
+from tests.support.zenoh_client import ZenohClient
 
 _TIMES = 300
 _ON_THE_WAY = 200
 _MANY = 1000
 _VERY_MANY = 100_000
-_TICKS = 500
-_LISTENERS = 10
 _BARE_ZENOH_IS = "bare zenoh queries to another process, same sockets, same bytes"
-_BARE_LINES_IS = "a loop that sends each line back, in another process on the same processor"
+_BARE_LINES_IS = "a loop that sends each line back, in another process, each pinned as rtkit is"
 
 
 def _zenoh() -> Lines:
-    with _server() as _, _session(places.service_key_socket("bench")) as ours:
-        client = ZenohClient(ours, _key(), 10.0)
-        with _session(f"{places.runtime_dir()}/bare.zps") as bare:
+    with server() as _, session(places.service_key_socket("bench")) as ours:
+        client = ZenohClient(ours, key(), 10.0)
+        with session(f"{places.runtime_dir()}/bare.zps") as bare:
             for what, payload, floor in (("GET", None, None), ("SET", "2.5", "2.5")):
                 measured = paired(
                     lambda payload=payload: _each_us(lambda: client.ask("p7", payload)),  # type: ignore[misc]
-                    lambda floor=floor: _each_us(lambda: _query(bare, "bare/get", floor)),  # type: ignore[misc]
+                    lambda floor=floor: _each_us(lambda: query(bare, "bare/get", floor)),  # type: ignore[misc]
                 )
                 what = f"property: {what} over zenoh"
                 yield Row(what, "us", measured, 1 / 0.85, True, _BARE_ZENOH_IS)
 
 
 def _line() -> Lines:
-    with (
-        _one_processor(),
-        _server(),
-        connect_unix(places.service_socket("bench"), 10.0) as client,
+    for place in placements():
+        with (
+            kept_on(place.client),
+            server(place.server),
+            connect_unix(places.service_socket("bench"), 10.0) as client,
+            connect_unix(places.service_socket("object"), 10.0) as of_object,
+            socket.socket(socket.AF_UNIX) as bare,
+        ):
+            bare.connect(f"{places.runtime_dir()}/bare.lines")
+            yield from _lines_at(place.words, client, of_object, bare)
+
+
+def _lines_at(where: str, client: LineClient, of_object: LineClient, bare: socket.socket) -> Lines:
+    values = itertools.cycle(("2.5", "3.5"))
+    for what, end, name, target in (
+        ("", client, "p7", 1.5),
+        (" of an attribute", of_object, "speed", None),
+        (" of a property with getter and setter", of_object, "angle", None),
     ):
-        path = f"{places.runtime_dir()}/bare.lines"
-        with socket.socket(socket.AF_UNIX) as bare:
-            bare.connect(path)
-            line = b"GET p7\n"
+        get, set_it = (lambda: end.ask(name), lambda: end.ask(name, next(values)))  # noqa: B023
+        for method, ask, line in (("GET", get, b"GET p7\n"), ("SET", set_it, b"SET p7 2.5\n")):
             measured = paired(
-                lambda: _each_us(lambda: client.ask("p7")),
-                lambda: _each_us(lambda: _echo(bare, line)),
+                lambda: _each_us(ask),  # noqa: B023
+                lambda: _each_us(lambda: _echo(bare, line)),  # noqa: B023
             )
-            yield Row("property: GET as a line", "us", measured, 1 / 0.6, True, _BARE_LINES_IS)
-            yield Row("property: GET as a line, time", "us", measured, 100.0, False, _BARE_LINES_IS)
-            values = itertools.cycle(("2.5", "3.5"))
-            measured = paired(
-                lambda: _each_us(lambda: client.ask("p7", next(values))),
-                lambda: _each_us(lambda: _echo(bare, b"SET p7 2.5\n")),
-            )
-            yield Row("property: SET as a line", "us", measured, 1 / 0.6, True, _BARE_LINES_IS)
-            with client.detach() as ours:
-                many = line * _ON_THE_WAY
-                length = len(_ask_many(ours, many, 0))
-                measured = paired(
-                    lambda: timed(lambda: _ask_many(ours, many, length)) * 1e3 / _ON_THE_WAY,
-                    lambda: timed(lambda: _ask_many(bare, many, len(many))) * 1e3 / _ON_THE_WAY,
-                )
-                what = f"property: GET as a line, {_ON_THE_WAY} on the way"
-                yield Row(what, "us", measured, 100.0, False, _BARE_LINES_IS)
+            row = f"property: {method}{what} as a line, {where}"
+            yield Row(row, "us", measured, target, True, _BARE_LINES_IS)
+    with client.detach() as ours:
+        many = b"GET p7\n" * _ON_THE_WAY
+        length = len(_ask_many(ours, many, 0))
+        measured = paired(
+            lambda: timed(lambda: _ask_many(ours, many, length)) * 1e3 / _ON_THE_WAY,
+            lambda: timed(lambda: _ask_many(bare, many, len(many))) * 1e3 / _ON_THE_WAY,
+        )
+        what = f"property: GET as a line, {_ON_THE_WAY} on the way, {where}"
+        yield Row(what, "us", measured, 100.0, False, _BARE_LINES_IS)
 
 
 def _bulk() -> Lines:
     names = "%20".join(f"p{index}" for index in range(_MANY))
     target = f"properties?values&names=({names})"
-    with _server(), _session(places.service_key_socket("bench")) as ours:
-        client = ZenohClient(ours, _key(), 10.0)
+    with server(), session(places.service_key_socket("bench")) as ours:
+        client = ZenohClient(ours, key(), 10.0)
         length = len(client.ask(target).value())
-        with _session(f"{places.runtime_dir()}/bare.zps") as bare:
+        with session(f"{places.runtime_dir()}/bare.zps") as bare:
             measured = paired(
                 lambda: timed(lambda: client.ask(target).value()),
-                lambda: timed(lambda: _query(bare, f"bare/get?n={length};names={names}", None)),
+                lambda: timed(lambda: query(bare, f"bare/get?n={length};names={names}", None)),
             )
             what = f"property: GET of {_MANY} at once over zenoh"
             yield Row(what, "ms", measured, 5.0, True, _BARE_ZENOH_IS)
@@ -132,54 +133,7 @@ print((made - begin) * 1e3, (listed - made) * 1e3,
         yield Row(label, unit, alone(one, other), target, False, floor_is)
 
 
-def _events() -> Lines:
-    with _server(), _session(places.service_key_socket("bench")) as ours:
-        client = ZenohClient(ours, _key(), 10.0)
-        lost: list[int] = []
-        with _session(f"{places.runtime_dir()}/bare.zps") as bare, ExitStack() as stack:
-            subscriptions = [stack.enter_context(client.listen("tick?queue=10000&initial=0"))
-                    for _ in range(_LISTENERS)]  # fmt: skip
-            heard: SimpleQueue[int] = SimpleQueue()
-            handler: zenoh.handlers.Callback[zenoh.Sample] = zenoh.handlers.Callback(
-                lambda sample: heard.put(_age(sample.payload.to_string())), indirect=False
-            )
-            for _ in range(_LISTENERS):
-                bare.declare_subscriber("bare/tick", handler)
-            for subscription in subscriptions:
-                threading.Thread(target=_hear, args=(subscription, heard), daemon=True).start()
-
-            def figure(start: Callable[[], object]) -> float:
-                start()
-                ages = [heard.get(timeout=20.0) for _ in range(_LISTENERS)]
-                try:
-                    while len(ages) < _TICKS * _LISTENERS:
-                        ages.append(heard.get(timeout=2.0))
-                except Empty:
-                    lost.append(_TICKS * _LISTENERS - len(ages))
-                return sorted(ages)[len(ages) * 99 // 100] / 1e3
-
-            measured = paired(
-                lambda: figure(lambda: client.ask("run", str(_TICKS)).value()),
-                lambda: figure(lambda: _query(bare, f"bare/get?run={_TICKS}", None)),
-            )
-            what = f"property: 1000 events/s to {_LISTENERS} listeners, 99 %"
-            floor_is = "bare zenoh, one put for as many subscribers"
-            yield Row(f"{what} within", "us", measured, 2.0, True, floor_is)
-            what = "property: those events that were lost"
-            yield Row(what, "", alone(sum(lost), 0.0), 0.0, False, "all are to come")
-
-
-def _age(text: str) -> int:
-    return time.perf_counter_ns() - int(text)
-
-
-def _hear(subscription: ZenohSubscription, heard: SimpleQueue[int]) -> None:
-    with suppress(Unreachable):  # the session ends with the measurement
-        for event in subscription:
-            heard.put(_age(str(event.payload)))
-
-
-PARTS = {"events": _events, "zenoh": _zenoh, "line": _line, "bulk": _bulk, "many": _very_many}
+PARTS = {"zenoh": _zenoh, "line": _line, "bulk": _bulk, "many": _very_many}
 
 
 def _run(script: str) -> list[float]:
@@ -197,11 +151,11 @@ def _each_us(work: Callable[[], object]) -> float:
     return timed(repeat) * 1e3 / _TIMES
 
 
-def _key() -> str:
+def key() -> str:
     return zenoh_keys.property_service(os.uname().nodename, "bench")
 
 
-def _query(session: zenoh.Session, selector: str, payload: str | None) -> str:
+def query(session: zenoh.Session, selector: str, payload: str | None) -> str:
     for reply in session.get(
         selector,
         payload=payload,
@@ -230,27 +184,12 @@ def _echo(end: socket.socket, line: bytes) -> None:
 
 
 @contextmanager
-def _session(path: str) -> Iterator[zenoh.Session]:
+def session(path: str) -> Iterator[zenoh.Session]:
     session = open_client(unix_endpoint(path), 10.0)
     try:
         yield session
     finally:
         session.close()  # type: ignore[no-untyped-call]
-
-
-@contextmanager
-def _one_processor() -> Iterator[None]:
-    """Keep this thread and what it starts on one processor.
-
-    Where the kernel places two processes that take turns makes a round trip four times as long, and
-    not for both of a pair alike.
-    """
-    allowed = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, {min(allowed)})
-    try:
-        yield
-    finally:
-        os.sched_setaffinity(0, allowed)
 
 
 @contextmanager
@@ -263,8 +202,8 @@ def by_line() -> Iterator[Measure]:
 @contextmanager
 def by_zenoh() -> Iterator[Measure]:
     """Yield what measures a GET over zenoh likewise."""
-    with _ours(), _session(places.service_key_socket("bench")) as session:
-        client = ZenohClient(session, _key(), 10.0)
+    with _ours(), session(places.service_key_socket("bench")) as ours:
+        client = ZenohClient(ours, key(), 10.0)
         yield lambda: _each_us(lambda: client.ask("p7"))
 
 
@@ -275,8 +214,14 @@ def _ours() -> Iterator[None]:
 
 
 @contextmanager
-def _server() -> Iterator[None]:
-    """Run a service of very simple properties, and what it is compared with, each a process."""
+def server(processors: Iterable[int] = ()) -> Iterator[None]:
+    """Run a service of very simple properties, and what it is compared with, each a process.
+
+    They are kept on these processors, if any are told.
+    """
     roles = ("ours", "zenoh", "lines")
-    with folders(), servers(*(["bench.property_ends", role] for role in roles)):
+    ends = servers(*(["bench.property_ends", role] for role in roles))
+    with folders(), ExitStack() as stack:
+        with kept_on(processors or os.sched_getaffinity(0)):
+            stack.enter_context(ends)
         yield

@@ -10,16 +10,37 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import zenoh
 
 from rtkit.link import places
 from rtkit.link.zenoh import open_listener, unix_endpoint
 
+FAN = 10
+"""Clients of a bare fan-out."""
+
+
+class Arm:
+    """An object as users serve it."""
+
+    def __init__(self) -> None:
+        self.speed = 0.5
+        self._angle = 0.5
+
+    @property
+    def angle(self) -> float:
+        """Angle [rad]."""
+        return self._angle
+
+    @angle.setter
+    def angle(self, value: float) -> None:
+        self._angle = value
+
 
 def ours() -> None:
-    """Serve a thousand numbers."""
+    """Serve a thousand numbers, and an object."""
     from rtkit.property.service import Service
     from rtkit.wires.serve import serve
 
@@ -27,7 +48,7 @@ def ours() -> None:
     for index in range(1000):
         service.add(f"p{index}", float(index), "number")
     service.add("tick", 0, "integer")
-    with serve(service, "bench") as served:
+    with serve(Arm(), "object", is_on_zenoh=False), serve(service, "bench") as served:
 
         def run(count: object, given: object) -> None:
             ticks = (int(str(count)), lambda now: served.update("tick", now))
@@ -71,14 +92,20 @@ def bare_zenoh() -> None:
 
 
 def lines() -> None:
-    """Send each line back."""
+    """Send each line back; at another socket, send the time to all who are connected."""
     places.make_private(places.runtime_dir())
-    path = f"{places.runtime_dir()}/bare.lines"
+    with _listening("bare.lines", _echo), _listening("bare.fan", _fan_out):
+        _wait()
+
+
+@contextmanager
+def _listening(name: str, accept: Callable[[socket.socket], object]) -> Iterator[None]:
+    path = f"{places.runtime_dir()}/{name}"
     with socket.socket(socket.AF_UNIX) as endpoint:
         endpoint.bind(path)
         endpoint.listen()
-        threading.Thread(target=_echo, args=(endpoint,), daemon=True).start()
-        _wait()
+        threading.Thread(target=accept, args=(endpoint,), daemon=True).start()
+        yield
         os.unlink(path)
 
 
@@ -88,6 +115,19 @@ def _echo(endpoint: socket.socket) -> None:
         with client:
             while data := client.recv(65536):
                 client.sendall(data)
+
+
+def _fan_out(endpoint: socket.socket) -> None:
+    """Send as many times to all clients as the first one asks for, again and again."""
+    clients = [endpoint.accept()[0] for _ in range(FAN)]
+
+    def tell(now: int) -> None:
+        line = b"* tick %d\n" % now
+        for each in clients:
+            each.sendall(line)
+
+    while asked := clients[0].recv(64):
+        _tick(int(asked), tell)
 
 
 def _wait() -> None:

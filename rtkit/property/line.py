@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import re
 from collections import deque
+from functools import lru_cache
 from typing import NamedTuple
 
 from rtkit.property.codes import PropertyError
@@ -22,6 +23,8 @@ from rtkit.property.messages import Answer, Payload, PropertyEvent, text_or_byte
 LONGEST_LINE = (1 << 20) + 1024
 """Bytes of a line; a value and its target fit in."""
 LONGEST_ID = 64
+_SHORT = 1 << 12
+"""Length of a payload that is worth remembering."""
 
 _BLOCK = re.compile(rb"\{(\d{1,18})\}")
 _LOOKS_LIKE_BLOCK = re.compile(r"\{\d*\}")
@@ -212,8 +215,15 @@ def write_answer(answer: Answer, id: str = "") -> bytes:
 
 
 def write_event(event: PropertyEvent) -> bytes:
-    """Return an event as it is sent."""
+    """Return an event as it is sent; one that goes to many is written once."""
+    return _known_event(event) if len(event.payload) < _SHORT else _written_event(event)
+
+
+def _written_event(event: PropertyEvent) -> bytes:
     return f"* {event.name};{write_attributes(event)}".encode() + _tail(event.payload)
+
+
+_known_event = lru_cache(maxsize=64)(_written_event)
 
 
 def write_attributes(event: PropertyEvent) -> str:

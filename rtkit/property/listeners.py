@@ -116,10 +116,15 @@ class Listeners:
 
     def changed(self, node: PropertyNode, has_changed: bool) -> None:
         """Notify the listeners of a property that it was set."""
+        whole = None
         for listener in node.listeners or ():
             if not has_changed and not listener.options.is_all:
                 continue
-            made = _event(node, listener)
+            if whole is None or whole[0].name != listener.name or listener.path:
+                made = _event(node, listener)
+                whole = whole if listener.path else made
+            else:
+                made = whole  # the same object, which a wire need write only once
             if made is not None and listener.offer(*made):
                 listener.caller.wake()
 

@@ -89,13 +89,14 @@ class ListeningRequester(Requester):
         """Send the events that are due while there is room; return when others will be [s]."""
         due: list[float] = []
         for listener in list(self.listeners):
-            while has_room() and (event := listener.take(now)) is not None:
+            while listener.pending and has_room() and (event := listener.take(now)) is not None:
                 send(listener, event)
-            if listener.has_ended and not listener.pending:
-                self.listeners.remove(listener)
-            elif listener.pending and has_room() and (at := listener.due()) is not None:
+            if not listener.pending:
+                if listener.has_ended:
+                    self.listeners.remove(listener)
+            elif has_room() and (at := listener.due()) is not None:
                 due.append(at)
-        return min(due, default=None)
+        return min(due) if due else None
 
 
 OWNER = Requester("owner")

@@ -1,6 +1,7 @@
 """Event loop that owns the properties of a process: its sockets, calls of other threads, time.
 
-A thread that touches a service holds the lock of the host; user code runs on workers.
+A thread that touches a service holds the lock of the host; user code runs on workers. Who changes
+a value sends its events as well: to wake the loop for that takes longer than to send them.
 """
 
 from __future__ import annotations
@@ -90,7 +91,7 @@ class PropertyEventLoop:
         self._dirty: set[IOHandler] = set()
         self._handlers: dict[int, IOHandler] = {}
         self._sockets: dict[int, ByteStream] = {}
-        self._is_woken = False
+        self._is_woken = self._is_changing = False
         self._is_ended = threading.Event()
         self._housekeeping_at = 0.0
         self._poll_at = 0.0
@@ -205,7 +206,25 @@ class PropertyEventLoop:
     def mark(self, handler: IOHandler) -> None:
         """Note that a handler has something to send; called under the lock."""
         self._dirty.add(handler)
-        self.wake()
+        if not self._is_changing:
+            self.wake()
+
+    def change(self, work: Callable[[], object]) -> None:
+        """Change a service, and send the events of that, all on this thread, which is any.
+
+        Args:
+            work: It lets nobody else in, as a call of user code by the service would.
+        """
+        with self.lock:
+            self._is_changing = True
+            try:
+                work()
+            finally:
+                self._is_changing = False
+                if self._dirty:
+                    self._flush(time.monotonic())
+                if self._dirty:
+                    self.wake()  # what is due later, or waits until its receiver takes it
 
     # The loop
 

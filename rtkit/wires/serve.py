@@ -40,9 +40,11 @@ class ValuePublisher:
         """Set an attribute, and send its event."""
         from rtkit.property.conversion import to_value
 
-        with self._host.lock:
+        def change() -> None:
             setattr(self._thing, name, value)
             self._service.push(name, to_value(value))
+
+        self._host.change(change)
 
 
 class ServedObject(Closing):
@@ -92,8 +94,7 @@ class ServedObject(Closing):
         """Publish a new value of a property that is kept here."""
         from rtkit.property.conversion import to_value
 
-        with self._host.lock:
-            self.service.update(name, to_value(value))
+        self._host.change(lambda: self.service.update(name, to_value(value)))
 
     def owned(self, work: Callable[[], object]) -> None:
         """Run something as the owner of the service, and wait until it is done."""

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import threading
+from contextlib import ExitStack
 
+from rtkit.property import line
 from rtkit.property.service import Service
 from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires.line.client import connect_unix
+from rtkit.wires.serve import serve
 
 BOUND_S = 30.0
 
@@ -33,6 +37,21 @@ def test_what_is_posted_while_it_wakes_does_not_deafen_it() -> None:
     host.post(second.set)
     assert second.wait(BOUND_S)
     host.close()
+
+
+def test_an_event_for_many_is_written_once(place: str) -> None:
+    service = Service()
+    service.add("tick", 0, "integer")
+    with ExitStack() as ends:
+        served = ends.enter_context(serve(service, "clock", is_on_zenoh=False))
+        clients = [ends.enter_context(connect_unix(served.socket, BOUND_S)) for _ in range(10)]
+        for client in clients:
+            client.listen("tick?initial=0")
+        before = line._known_event.cache_info().misses
+        served.update("tick", 7)
+        events = [client.event(BOUND_S) for client in clients]
+        assert [event and event.payload for event in events] == ["7"] * 10
+        assert line._known_event.cache_info().misses == before + 1
 
 
 def test_its_house_is_kept_without_any_socket() -> None:

@@ -51,16 +51,24 @@ class ZenohSubscription:
     Args:
         target: ``P.listen?…``.
         parameters: What follows the question mark.
+        on_event: Takes the events, on a thread of the transport; else they wait in the queue.
 
     Attributes:
         id: Of its own key.
         group: In which it wants to be, empty if in none.
     """
 
-    def __init__(self, client: Asking, target: str, parameters: str) -> None:
+    def __init__(
+        self,
+        client: Asking,
+        target: str,
+        parameters: str,
+        on_event: Callable[[PropertyEvent], object] | None = None,
+    ) -> None:
         self.id = uuid.uuid4().hex
         self.group = group_of(target)
         self._client = client
+        self._on_event = on_event
         self._target = target
         self._most = _queue_of(parameters)
         self._events: SimpleQueue[PropertyEvent] = SimpleQueue()
@@ -112,6 +120,9 @@ class ZenohSubscription:
         self._last = event.mark
         if lost and self._most > 1:
             event = event._replace(dropped=event.dropped + lost)
+        if self._on_event is not None:
+            self._on_event(event)
+            return
         if self._events.qsize() >= self._most:
             with contextlib.suppress(Empty):  # it has just been taken
                 gone = self._events.get_nowait()
@@ -158,7 +169,7 @@ class ZenohSubscription:
         """
         end = None if timeout_s is None else time.monotonic() + timeout_s
         while True:
-            self._renew_in_time()
+            self.renew_in_time()
             until = self._renew_at if end is None else min(end, self._renew_at)
             with contextlib.suppress(Empty):
                 event = self._events.get(timeout=max(0.0, until - time.monotonic()))
@@ -166,7 +177,8 @@ class ZenohSubscription:
             if end is not None and time.monotonic() >= end:
                 return None
 
-    def _renew_in_time(self) -> None:
+    def renew_in_time(self) -> None:
+        """Ask to be served on, when it is time to."""
         now = time.monotonic()
         if now < self._renew_at:
             return
@@ -314,14 +326,16 @@ class ZenohClient:
         raise Unreachable("nobody answers for it")
 
     @contextlib.contextmanager
-    def listen(self, target: str) -> Iterator[ZenohSubscription]:
+    def listen(
+        self, target: str, on_event: Callable[[PropertyEvent], object] | None = None
+    ) -> Iterator[ZenohSubscription]:
         """Listen to ``P`` or ``P?queue=…`` for as long as the context lasts.
 
         Raises:
             PropertyError: As the service answers.
         """
         name, mark, tail = target.partition("?")
-        subscription = ZenohSubscription(self, f"{name}.listen{mark}{tail}", tail)
+        subscription = ZenohSubscription(self, f"{name}.listen{mark}{tail}", tail, on_event)
         handler = zenoh.handlers.Callback(subscription.receive, indirect=False)
         subscriber = self._session.declare_subscriber(
             subscriber_key(self._key, subscription.id), handler

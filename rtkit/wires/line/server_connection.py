@@ -224,9 +224,15 @@ class Connection(SocketClient):
 
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
-        due = self.send_due(now, lambda: len(self._out) < _ROOM_FOR_EVENTS, self._send_event)
-        self._work()
+        due = self.send_due(now, self._has_room, self._send_event)
+        if self._requests.waits:
+            self._work()
+        elif not self._send_out() or self._out or self._is_closing:
+            self._send()  # it did not take all
         return due if self.is_open else None
+
+    def _has_room(self) -> bool:
+        return len(self._out) < _ROOM_FOR_EVENTS
 
     def _send_event(self, listener: Listener, event: PropertyEvent) -> None:
         self._write(write_event(event))
