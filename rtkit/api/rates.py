@@ -164,7 +164,11 @@ class Rater:
 def _plain_row(component: ComponentFacts, path: str, manager: str, pid: int) -> RateRow:
     context = _chosen(component)
     why = (
-        component.zombie or component.trouble or component.cause or component.restart_status.trouble
+        component.zombie
+        or component.trouble
+        or component.cause
+        or component.restart_status.trouble
+        or component.waits
     )
     return RateRow(
         path,

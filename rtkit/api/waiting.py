@@ -35,7 +35,8 @@ class WaitGoal(NamedTuple):
             return f"is a zombie ({row.zombie})"
         if self.wanted in (EXISTS, DATA) or row.state == _STATES[self.wanted]:
             return ""
-        why = f" ({row.trouble or row.cause})" if row.trouble or row.cause else ""
+        known = row.trouble or row.cause or row.again
+        why = f" ({known})" if known else ""
         return f"is {row.state}{why}, not {_STATES[self.wanted]}"
 
 

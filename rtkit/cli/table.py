@@ -3,6 +3,7 @@
 TOPICS: dict[str, dict[str, str]] = {
     "components": {
         "rtact": "Activate components: Inactive to Active.",
+        "rtattach": "Be at the terminal of a component: see what it asks, and answer.",
         "rtcomp": "Make and change composite components.",
         "rtcon": "Connect the first port to each of the others.",
         "rtconf": "Show and change the configuration sets of a component.",

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from types import CoroutineType, TracebackType
 from typing import Any
 
+from rtkit.component.input_wait import InputEnded
 from rtkit.guard import kind_and_text
 from rtkit.rtc.enums import ReturnCode
 
@@ -131,6 +132,7 @@ def attempt(callback: Callable[..., Any], *arguments: str) -> Failure:
 
     Nothing that the callback raises gets out: not SystemExit, not KeyboardInterrupt either,
     because one component must not end the process that it shares with others; but see `escaping`.
+    One that waited for input, and is to be left, has done well (see `rtkit.component.input_wait`).
     """
     try:
         code = callback(*arguments)
@@ -142,6 +144,8 @@ def attempt(callback: Callable[..., Any], *arguments: str) -> Failure:
         return Failure(f"returned {code} ({_place(None, callback)})")
     except escaping:
         raise
+    except InputEnded:
+        return Failure()
     except BaseException as error:
         return Failure(describe_failure(error, callback), error)
 

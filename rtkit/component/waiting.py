@@ -16,36 +16,47 @@ from threading import TIMEOUT_MAX, get_ident
 _LONGEST_S = 3600.0
 """Longest wait that is granted [s]: a callback in an unbounded wait counts as stuck."""
 
+_ENDLESS_NS = 10 * 365 * 86_400 * 1_000_000_000
+"""Grant of a wait for people, who may have left for the day [ns]."""
+
 _BRIEF_S = 0.005
 """Length of a wait that needs no grant beforehand [s]: a fraction of any kept deadline."""
 _OWED_NS = 1_000_000
 """Largest sum of ended waits whose grant is still postponed [ns]."""
 
 
-class _Driven:
+class DrivenThread:
     """A thread whose callbacks are driven under a watchdog.
 
     Attributes:
         grant: Grants the present callback more time [ns].
         owed_ns: Waits that are over and were not granted yet [ns].
+        idle_ns: Waits for people that are over: no work, and no period was missed by them [ns].
     """
 
-    __slots__ = ("grant", "owed_ns")
+    __slots__ = ("grant", "idle_ns", "owed_ns")
 
     def __init__(self, grant: Callable[[int], object]) -> None:
         self.grant = grant
         self.owed_ns = 0
+        self.idle_ns = 0
+
+    def take_idle_ns(self) -> int:
+        """Return how long people were waited for since this was asked last [ns]."""
+        idle_ns, self.idle_ns = self.idle_ns, 0
+        return idle_ns
 
 
-_driven: dict[int, _Driven] = {}
+_driven: dict[int, DrivenThread] = {}
 
 
-def grant_by(grant: Callable[[int], object] | None) -> None:
+def grant_by(grant: Callable[[int], object] | None) -> DrivenThread | None:
     """Register a function that grants callbacks on this thread more time [ns]; None: remove it."""
     if grant is None:
         _driven.pop(get_ident(), None)
-    else:
-        _driven[get_ident()] = _Driven(grant)
+        return None
+    driven = _driven[get_ident()] = DrivenThread(grant)
+    return driven
 
 
 @contextmanager
@@ -61,6 +72,23 @@ def waiting(bound_s: float) -> Iterator[None]:
         yield
     finally:
         driven.grant(time.monotonic_ns() - began_ns - granted_ns)
+
+
+@contextmanager
+def waiting_for_people() -> Iterator[None]:
+    """Grant the present callback any time until somebody has answered it."""
+    driven = _driven.get(get_ident())
+    if driven is None:
+        yield
+        return
+    began_ns = time.monotonic_ns()
+    driven.grant(_ENDLESS_NS)
+    try:
+        yield
+    finally:
+        waited_ns = time.monotonic_ns() - began_ns
+        driven.grant(waited_ns - _ENDLESS_NS)
+        driven.idle_ns += waited_ns
 
 
 def wait_for(wait: Callable[[float], bool], bound_s: float) -> float:

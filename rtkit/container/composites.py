@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, TypeGuard
 
 from rtkit.component.base import Component
@@ -71,3 +71,10 @@ class Composites:
         then(error)
         if self._waiting:
             self._begin()
+
+
+def check_settings(component: Component, set_id: str, values: Mapping[str, str]) -> None:
+    """Refuse settings that name members or ports that are not there, before they are stored."""
+    if is_composite(component):
+        present = {**component.configuration.sets.get(set_id, {}), **values}
+        component.check(present.get("members", ""), present.get("exported_ports", ""))

@@ -20,7 +20,7 @@ from rtkit.component.base import Component
 from rtkit.component.context import ExecutionContext
 from rtkit.component.current import current
 from rtkit.component.participant import DrivenComponent
-from rtkit.container.composites import Composites, is_composite
+from rtkit.container.composites import Composites, check_settings, is_composite
 from rtkit.container.connectors import Connectors
 from rtkit.container.execution_contexts import ExecutionContexts, StateMachines, release
 from rtkit.container.facts import DatedFacts
@@ -29,8 +29,10 @@ from rtkit.container.operations import LATER, Operations, in_time
 from rtkit.container.pacer import Pacer, StartDriver, Work
 from rtkit.container.port_samples import sampling
 from rtkit.container.port_wiring import PortWiring
+from rtkit.container.stdin import LazyTerminals
 from rtkit.container.user_requests import UserRequests
 from rtkit.deployment.message import NEW, Message
+from rtkit.deployment.terminal import TERMINAL
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.guard import guarded, kind_and_text
 from rtkit.link.threads import start_thread
@@ -64,6 +66,7 @@ class ComponentContainer:
 
     Attributes:
         start_driver: Starts the work of each context, by default on a thread of its own.
+        terminals: What components read from, if they do.
     """
 
     def __init__(
@@ -79,6 +82,7 @@ class ComponentContainer:
         self._own_slot: HeartbeatSlot | None = None
         self._checkpoint_writer: CheckpointWriter | None = None
         self._slots: dict[tuple[str, str], HeartbeatSlot] = {}
+        self.terminals = LazyTerminals(self, send)
         self._wiring = wiring
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._components: dict[str, Component] = {}
@@ -105,6 +109,7 @@ class ComponentContainer:
             **StateMachines(self).operations,
             **Neighbours(self).operations,
             **sampling(self._components, send),
+            TERMINAL: self.terminals.serve,
         }
 
     def show_heartbeats(self, heartbeats: Heartbeats) -> None:
@@ -154,6 +159,7 @@ class ComponentContainer:
         """Finalise every component but those of which a callback does not come back."""
         for pacer in self._pacers.values():
             pacer.stop()
+        self.terminals.leave(self._components)
         until = time.monotonic() + _WIND_UP_S
         hung = {
             instance
@@ -399,6 +405,7 @@ class ComponentContainer:
                 self._heartbeats.release(slot)
         with self._watched(instance, "on_finalize"):
             component.finalize()
+        self.terminals.forget(instance)
         if self._checkpoint_writer is not None:
             self._checkpoint_writer.strike(instance)
         for message in self._takeovers.pop(instance, ()):
@@ -444,7 +451,7 @@ class ComponentContainer:
             self.report(component)
             return ""
         if message["set_id"] == configuration.active_set:
-            _check_composite(component, message["set_id"], message["values"])
+            check_settings(component, message["set_id"], message["values"])
         configuration.set(message["set_id"], message["values"])
         if message["set_id"] != configuration.active_set:
             self.report(component)
@@ -460,7 +467,7 @@ class ComponentContainer:
 
     def _activate_set(self, message: Message) -> object:
         component = self.component(message["instance"])
-        _check_composite(component, message["set_id"], {})
+        check_settings(component, message["set_id"], {})
         component.configuration.activate(message["set_id"])
         return self._take_over(component, message)
 
@@ -491,10 +498,3 @@ class ComponentContainer:
                 self._takeovers[component.instance].remove(message)
                 raise
         return LATER
-
-
-def _check_composite(component: Component, set_id: str, values: Mapping[str, str]) -> None:
-    """Refuse settings that name members or ports that are not there, before they are stored."""
-    if is_composite(component):
-        present = {**component.configuration.sets.get(set_id, {}), **values}
-        component.check(present.get("members", ""), present.get("exported_ports", ""))

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit.component.base import Component
 from rtkit.component.context import ExecutionContext, always
+from rtkit.component.input_wait import allow_input, leave_input
+from rtkit.component.participant import DrivenComponent
 from rtkit.component.period import check_rate
 from rtkit.component.port import InPort
 from rtkit.container.composites import is_composite
@@ -47,14 +49,19 @@ class ExecutionContexts:
         component, context = self._of(message)
         is_awaited = message.get("wait", True)
 
+        transition = Transition(message["transition"])
+
         def done(code: ReturnCode, why: str) -> None:
+            _let_wait(component)
             if is_awaited:
                 self._later(message, code, _of_component(code, why, component))
 
         is_wanted = partial(in_time, message) if is_awaited else always
 
         def request() -> None:
-            context.request(component, Transition(message["transition"]), done, is_wanted)
+            if transition is Transition.DEACTIVATE:
+                _end_waits(component)
+            context.request(component, transition, done, is_wanted)
 
         if message.get("drains_s"):
 
@@ -127,7 +134,8 @@ class ExecutionContexts:
                 f"{participant.instance} is a member of {participant.composite.instance};"
                 " take it out of there"
             )
-        self._between_cycles(message, context, lambda: context.remove_component(participant))
+        _end_waits(participant)
+        self._between_cycles(message, context, lambda: _removed(context, participant))
         return LATER
 
     def _of(self, message: Message) -> tuple[Component, ExecutionContext]:
@@ -195,6 +203,7 @@ def release(
         How many those are.
     """
     count = 0
+    _end_waits(component)
     for context in component.participations:
         if context.owner != component.instance:
             context.submit(partial(_let_go, context, component, rested))
@@ -206,6 +215,25 @@ def release(
             continue
         count += 1
     return count
+
+
+def _end_waits(component: DrivenComponent) -> None:
+    """Have what it, or a member of it, waits for from people be waited for no longer."""
+    leave_input(component.instance)
+    for member in component.member_components:
+        _end_waits(member)
+
+
+def _let_wait(component: DrivenComponent) -> None:
+    allow_input(component.instance)
+    for member in component.member_components:
+        _let_wait(member)
+
+
+def _removed(context: ExecutionContext, participant: Component) -> ReturnCode:
+    code = context.remove_component(participant)
+    _let_wait(participant)
+    return code
 
 
 def _let_go(context: ExecutionContext, component: Component, rested: Callable[[], object]) -> None:

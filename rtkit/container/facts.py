@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from rtkit.component.base import Component
 from rtkit.component.describe import describe
+from rtkit.component.input_wait import wait_of
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.rtc.enums import merged_state
 from rtkit.rtc.profiles import ExecutionContextProfile
@@ -27,6 +28,7 @@ class DatedFacts:
             process="",
             is_stand_in=component.is_stand_in,
             since=self._date(component.instance, described.contexts),
+            waits=wait_of(component.instance),
             **described._asdict(),
         )
 

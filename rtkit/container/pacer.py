@@ -13,7 +13,7 @@ from typing import NamedTuple, Protocol
 
 from rtkit.component.context import ExecutionContext
 from rtkit.component.period import Period
-from rtkit.component.waiting import grant_by
+from rtkit.component.waiting import DrivenThread, grant_by
 from rtkit.container.bell import Bell
 from rtkit.container.context_thread import ContextThread
 from rtkit.container.missed_periods import MissedPeriods
@@ -71,6 +71,7 @@ class Pacer:
         self._busy_ns = 0
         self._longest_ns = 0
         self._latest_ns = 0
+        self._driven: DrivenThread | None = None
         context.wake = self.wake
 
     def wake(self) -> None:
@@ -112,7 +113,7 @@ class Pacer:
         return not thread.is_alive()
 
     def _run(self) -> None:
-        grant_by(self._grant)
+        self._driven = grant_by(self._grant)
         thread = ContextThread(self._context)
         try:
             thread.apply()
@@ -135,7 +136,7 @@ class Pacer:
                 thread.apply()
             began_ns = time.monotonic_ns()
             context.tick()
-            self._count(time.monotonic_ns() - began_ns)
+            self._count(time.monotonic_ns() - began_ns - self._idle_ns())
             if not context.is_due and not context.is_idle:
                 alarm.wait()
 
@@ -170,8 +171,11 @@ class Pacer:
                 context.deadline_ns = period.deadline_ns
                 context.tick()
                 ended_ns = time.monotonic_ns()
-                self._count(ended_ns - began_ns)
+                idle_ns = self._idle_ns()
+                self._count(ended_ns - began_ns - idle_ns)
                 self._latest_ns = max(self._latest_ns, began_ns - period.deadline_ns)
+                if idle_ns:  # while somebody was waited for there was no period to miss
+                    period.restart(ended_ns)
                 skipped = period.skipped
                 period.advance(ended_ns, began_ns)
                 if period.skipped != skipped:
@@ -186,6 +190,10 @@ class Pacer:
                 alarm.wait(delay)
             if alarm.is_ringing:
                 return
+
+    def _idle_ns(self) -> int:
+        """Return how long the last cycle waited for people [ns]."""
+        return self._driven.take_idle_ns() if self._driven is not None else 0
 
     def _count(self, spent_ns: int) -> None:
         self._ticks += 1

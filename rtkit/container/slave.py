@@ -22,6 +22,7 @@ from rtkit.container.orphans import MARK, Adopted, become_subreaper, end_childre
 from rtkit.container.port_wiring import PortWiring
 from rtkit.container.slave_checkpoint import CheckpointWriter, checkpoint_path
 from rtkit.container.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
+from rtkit.container.stdin import give_stdin
 from rtkit.deployment.message import Message
 from rtkit.link.local.streams import LocalStreams
 from rtkit.logs.logs import Log, hand_over
@@ -51,6 +52,8 @@ class Slave:
         paths = list(settings["load_path"])
         factory = ComponentFactory(Loader(paths), paths)
         self._container = ComponentContainer(self._send, wiring, factory)
+        self._container.terminals.has_descriptor = True
+        give_stdin(self._container.terminals)
 
     def live(self, key: int, name: str) -> None:
         """Hold components until a TERM arrives; called once, after the fork.

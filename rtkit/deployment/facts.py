@@ -163,6 +163,7 @@ class ComponentFacts:
     restart_status: RestartStatus = field(default_factory=RestartStatus)
     code: str = ""
     since: float = 0.0
+    waits: str = ""
 
     def changed_code(self, present: Mapping[str, str]) -> str:
         """Return a file that it comes from, if that has changed since it was loaded.

@@ -36,8 +36,8 @@ class ListingRow(NamedTuple):
         ins: How many in ports it has; ``ins_connected`` … ``services_connected`` count likewise.
         context: Id of its first execution context.
         cause: Cause of its Error, one line with file:line.
-        again: How often its policy restarted it, and for what; what else was done about
-            its health; empty for nothing.
+        again: Input that it waits for; how often its policy restarted it, and for what; what else
+            was done about its health; empty for nothing.
         restarts: How often it was restarted after its loss.
         restarted_for: For what its policy did so the last time; mostly empty.
         due_s: When it is to be restarted, on the monotonic clock of its host [s]; 0 for never.
@@ -170,7 +170,7 @@ def row_of(component: ComponentFacts, connected: Counter[tuple[str, str]]) -> Li
         component.names,
         component.contexts[0].id if component.contexts else "",
         component.cause,
-        component.restart_status.history,
+        "; ".join(filter(None, (component.waits, component.restart_status.history))),
         component.restart_status.restarts,
         component.restart_status.why,
         component.restart_status.due_s,

@@ -65,6 +65,7 @@ def of_component(
         "process": facts.process,
         "cause": facts.cause,
         "trouble": facts.zombie or facts.trouble,
+        "waits": facts.waits,
     }
     doc = "Life-cycle state; set to Active or Inactive to change it"
     spec = PropertySpec(parse_type("word"), choices=_STATES, doc=doc)

@@ -15,7 +15,8 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
 from types import TracebackType
 from typing import Any
 
@@ -32,6 +33,8 @@ LEVEL_KEY = "logger.log_level"
 """Property of a manager, and option of a create string: the least level that is logged."""
 
 _MAX_LINE = 8192
+_RECENT = 32
+"""How many pieces of text are known that a thread printed last."""
 _log = logging.getLogger("rtkit")
 _components: set[str] = set()
 
@@ -183,9 +186,11 @@ class Printed(io.TextIOBase):
         errors: Handler of text that has no bytes.
         name: Of the stream.
         buffer: The descriptor itself, for who writes bytes.
+        tap: Takes what is printed, too, by the thread that prints; None for nobody.
     """
 
     encoding, errors = "utf-8", "backslashreplace"
+    tap: Callable[[str], object] | None = None
 
     def __init__(self, name: str, level: int, descriptor: int, handlers: list[Lossy]) -> None:
         self.name = f"<{name}>"
@@ -205,6 +210,12 @@ class Printed(io.TextIOBase):
 
     def write(self, text: str) -> int:
         """Take text; whole lines become records."""
+        recent: deque[str] | None = getattr(self._begun, "recent", None)
+        if recent is None:
+            recent = self._begun.recent = deque(maxlen=_RECENT)
+        recent.append(text)
+        if self.tap is not None:
+            self.tap(text)
         *lines, rest = (getattr(self._begun, "text", "") + text).split("\n")
         for line in lines:
             self._log(line)
@@ -213,6 +224,10 @@ class Printed(io.TextIOBase):
             rest = rest[_MAX_LINE:]
         self._begun.text = rest
         return len(text)
+
+    def recent(self) -> str:
+        """Return what this thread printed last: a question, before its answer is waited for."""
+        return "".join(getattr(self._begun, "recent", ()))
 
     def flush(self) -> None:
         """Make a record of a line that has been begun."""

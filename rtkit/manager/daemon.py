@@ -334,6 +334,7 @@ def _container(
     from rtkit.container.heartbeats import Heartbeats, heartbeats_path
     from rtkit.container.port_wiring import PortWiring
     from rtkit.container.process_settings import add_log_files, configure
+    from rtkit.container.stdin import give_stdin
     from rtkit.link.local.streams import LocalStreams
     from rtkit.link.places import remove_socket
     from rtkit.modules.loader import Loader
@@ -348,6 +349,7 @@ def _container(
         report, PortWiring(state.host, LocalStreams(own_data), state.name), ComponentFactory(loader)
     )
     container.show_heartbeats(heartbeats)
+    give_stdin(container.terminals)
     return container
 
 

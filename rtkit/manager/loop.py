@@ -17,12 +17,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit import fault
 from rtkit.container.container import ComponentContainer
-from rtkit.container.exit_diagnostics import culprits, exit_diagnostics, log_crash
+from rtkit.container.exit_diagnostics import exit_diagnostics
 from rtkit.container.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.message import Message
 from rtkit.deployment.metrics import METRICS
 from rtkit.deployment.port_samples import SAMPLES
+from rtkit.deployment.terminal import TERMINAL
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import replace
 from rtkit.link import places, zenoh_keys
@@ -34,6 +35,7 @@ from rtkit.manager.core.event_ring import CORE, EventRing
 from rtkit.manager.core.requests import NOBODY, PendingRequests
 from rtkit.manager.device_watch import DeviceWatch
 from rtkit.manager.duty import Duty
+from rtkit.manager.ended_slave import with_exit_diagnostics
 from rtkit.manager.fault_guard import FaultGuard, header, select_but, text_of
 from rtkit.manager.following.following import Following
 from rtkit.manager.host_link_processes import HostLinkProcesses
@@ -47,6 +49,7 @@ from rtkit.manager.slaves.slave_connections import SlaveConnections
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 from rtkit.manager.slaves.watchdog import DEADLINE_S, Watchdog, callback_deadline_s, remove_traces
 from rtkit.manager.store.writer import StoreWriter
+from rtkit.manager.terminal_relay import TerminalRelay
 from rtkit.property.exchange import Reply, Request, failure
 
 if TYPE_CHECKING:
@@ -125,6 +128,8 @@ class Loop:
         self._stacks = open_stacks(slave_supervisor.data_pattern, core.state.pid)
         self._sampler = PortSampler(core.state, self._send)
         self.query_server.sample = self._sampler.ask
+        self._terminals = TerminalRelay(core.state, self._send)
+        self.query_server.ask_terminal = self._terminals.ask
         self._tidy_at = 0.0
         self._announce: dict[str, Callable[[str], object]] = {}
         self._is_finished = self._is_closed = False
@@ -221,6 +226,7 @@ class Loop:
             Duty("callbacks", self._look_at, self._look),
             Duty("limits", self._next_look_at_limits, self._look_at_limits),
             Duty("samples", self._sampler.due_at, self._sampler.give_up),
+            Duty("terminals", self._terminals.due_at, self._terminals.hurry),
             Duty("devices", lambda: self._devices.look_at, self._devices.look),
             Duty("tidying", lambda: self._tidy_at if state.components else None, self._tidy),
             Duty("sweeping", lambda: supervisor.sweep_at, supervisor.sweep),
@@ -333,11 +339,12 @@ class Loop:
                 self._handle(event)
 
     def _handle(self, event: ev.Event) -> None:
-        if isinstance(event, ev.ContainerReported) and SAMPLES in event.message:
-            self._sampler.take(event.key, event.message)
+        if isinstance(event, ev.ContainerReported) and self._is_aside(event):
             return
         if isinstance(event, ev.SlaveEnded):
-            event = self._with_exit_diagnostics(event)
+            limit_reason = self._limiter.reason if self._limiter is not None else None
+            running_on = self._watchdog.instance_on
+            event = with_exit_diagnostics(self._core.state, event, running_on, limit_reason)
         elif isinstance(event, ev.SlaveExitedUnseen):
             words = exit_diagnostics(self._core.state.name, event.name, event.pid)
             event = replace(event, reason=words.reason(event.reason), time=words.time_s)
@@ -352,6 +359,14 @@ class Loop:
                     self.post(ev.RowsStored(instruction.number, why))
         self._devices.watch(self._core.state.bound)
         self._guard.run("aftermath", self._follow_up, event)
+
+    def _is_aside(self, event: ev.ContainerReported) -> bool:
+        """Take what passes by the core; return whether it was that."""
+        for kind, take in ((SAMPLES, self._sampler.take), (TERMINAL, self._terminals.take)):
+            if kind in event.message:
+                take(event.key, event.message)
+                return True
+        return False
 
     def _decide(self, event: ev.Event) -> Sequence[ev.Instruction]:
         """Have the core take an event; return what is to be done."""
@@ -388,35 +403,11 @@ class Loop:
             case ev.SlaveStopped(key, is_halted):
                 self._watchdog.halted(key, is_halted=is_halted)
             case ev.SlaveEnded(key):
+                self._terminals.ended(key, event.reason)
                 self.connections.drop(key)
                 self._watchdog.forget(key)
                 if self._limiter is not None:
                     self._limiter.forget(key)
-
-    def _with_exit_diagnostics(self, event: ev.SlaveEnded) -> ev.SlaveEnded:
-        """Find out why a slave ended that was to live, and log it."""
-        process = self._core.state.processes.get(event.key)
-        if process is None or not process.is_alive or not process.is_wanted:
-            return event
-        if process.is_guest:
-            _log.info("guest %s left", process.name)
-            return event
-        state = self._core.state
-        words = exit_diagnostics(state.name, process.name, process.pid)
-        held = {each: state.components[each].code for each in state.held_by(event.key)}
-        if words.stacks:
-            running = self._watchdog.instance_on(event.key, words.thread)
-            instances = culprits(words, running, held)
-            log_crash(state.name, process.name, process.pid, words, instances)
-        reason = words.reason(event.reason)
-        if self._limiter is not None:
-            reason = self._limiter.reason(event.key, reason, words.text)
-        known = replace(event, reason=reason, last=words.text, time=time.time())
-        last_words = f"; its last words: {known.last}" if known.last else ""
-        _log.warning("slave %s ended: %s%s", process.name, known.reason, last_words)
-        for each in held:
-            _log.warning("%s was lost: %s", each, known.reason, extra={"about": each})
-        return known
 
     def _tidy(self) -> None:
         """See who is stopped, and keep short what is written past logs."""

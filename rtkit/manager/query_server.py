@@ -20,6 +20,7 @@ from rtkit.deployment.listing import listing_of, listing_to_text
 from rtkit.deployment.part import part_of
 from rtkit.deployment.plan_lock import PlanLock
 from rtkit.deployment.port_samples import SAMPLES
+from rtkit.deployment.terminal import TERMINAL
 from rtkit.errors import Malformed, NotFound, Refused, Unreachable
 from rtkit.fast_dataclass import replace
 from rtkit.link import zenoh_keys
@@ -60,6 +61,7 @@ class ManagerQueryServer:
         events: Captures the last events that may be about one component.
         logs: Reads the logs for other hosts.
         sample: Receives questions what ports carry.
+        ask_terminal: Receives questions to terminals of components.
     """
 
     def __init__(self, state: ManagerState, requests: PendingRequests) -> None:
@@ -70,6 +72,7 @@ class ManagerQueryServer:
         self.events: Callable[[str], Callable[[], Iterable[TimedItem]]] = lambda _name: tuple
         self.logs = LogServer(state.name)
         self.sample: Callable[[Request], object] = lambda _request: None
+        self.ask_terminal: Callable[[Request], object] = lambda _request: None
         self._state = state
         self._requests = requests
         self._views: dict[str, str] = {}
@@ -129,6 +132,8 @@ class ManagerQueryServer:
             _aside(request, partial(self.logs.answer, request.payload))
         elif name == SAMPLES and request.payload is not None:
             self.sample(request)
+        elif name == TERMINAL and request.payload is not None:
+            self.ask_terminal(request)
         elif name == "clock":
             request.answer(Reply(repr(time())))
         elif name == "dump":

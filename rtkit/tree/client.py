@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.listing import Listing
     from rtkit.deployment.port_samples import PortName, Sample
+    from rtkit.deployment.terminal import TerminalAnswer
     from rtkit.link.devices import HostFacts
     from rtkit.link.transport import Link
     from rtkit.rtc.names import Path
@@ -214,6 +215,21 @@ class Tree(ByPath, Closing):
         from rtkit.deployment.port_samples import SAMPLES, ports_to_text, samples_from_text
 
         return samples_from_text(self.view(SAMPLES, ports_to_text(ports)))
+
+    def ask_terminal(self, question: Mapping[str, Any]) -> TerminalAnswer:
+        """Ask the terminal of a component; see `rtkit.deployment.terminal`.
+
+        Raises:
+            NotFound: There is no such component; or the manager is of a version without terminals.
+            Unreachable: The manager, or the process of the component, does not answer in time.
+        """
+        import json
+
+        from rtkit.deployment.terminal import TERMINAL, answer_from_text
+
+        key = zenoh_keys.extension_key(self._service, TERMINAL)
+        bound_s = self.timeout_s + float(question.get("wait_s", 0.0))
+        return answer_from_text(self._ask(key, json.dumps(question), bound_s))
 
     def lacking(self, makings: Sequence[tuple[str, str]]) -> list[str]:
         """Return for each pair of a module and a create string why nothing can be made of it.

@@ -82,6 +82,7 @@ def _identity(facts: ComponentFacts) -> list[tuple[str, str]]:
     restart_status = facts.restart_status
     rows = (
         ("Trouble", facts.trouble or restart_status.trouble),
+        ("Input", facts.waits),
         ("Restarts", restart_status.again),
         ("Stopped", restart_status.stops),
     )

@@ -276,6 +276,11 @@ class ManagerState:
             return "stopped"
         return process.stuck.get(instance, "") or process.silence
 
+    def waits_in(self, key: int) -> dict[str, str]:
+        """Return for what input the components of a process wait."""
+        held = (self.components[each] for each in self.held_by(key))
+        return {facts.instance: facts.waits for facts in held if facts.waits}
+
     def watched(self, instance: str) -> RestartRecord:
         """Return what has been done about the ends of a component."""
         return self.kept.watched.get(instance, _UNWATCHED)

@@ -343,7 +343,8 @@ class Tasks:
         if process.unfit:
             return Unreachable(process.unfit)
         if process.state != "starting":
-            stuck = "; ".join(f"{name} is {text}" for name, text in process.stuck.items())
+            reasons = process.stuck or self._state.waits_in(key)
+            stuck = "; ".join(f"{name} is {text}" for name, text in reasons.items())
             return Unreachable(
                 f"no answer from {process.name} in time" + (f": {stuck}" if stuck else "")
             )

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.batch import batch_from_text
+from rtkit.deployment.terminal import question_from_text
 from rtkit.errors import Malformed, Refused
 from rtkit.keys.roles import includes
 from rtkit.rtc.far_ends import peer_of
@@ -27,6 +28,7 @@ _OF_OPERATORS = (
 )  # fmt: skip
 _VIEWS = ("listing", "snapshot", "part", "picture", "events", "lease", "line", "clock")
 _QUESTIONS = ("logs", "samples")
+_TERMINAL = "@x/terminal"
 """Views of which the payload says what is wanted."""
 RESTART = "@/restart"
 ROUTER = "@x/router"
@@ -76,6 +78,11 @@ def permission(name: str, payload: str | None) -> Permission:
         return Permission(ADMINISTRATOR, f"link host {shown(payload)}")
     if name == LOCK and payload is not None:
         return Permission(OPERATOR, "take the lock of plans")
+    if name == _TERMINAL and payload is not None:
+        asked = question_from_text(payload)
+        role = OPERATOR if asked["input"] or asked["size"] else VIEWER
+        does = "type to" if role == OPERATOR else "look at the terminal of"
+        return Permission(role, f"{does} {shown(asked['instance'])}")
     if name == "@/batch" and payload is not None:
         return _of_batch(batch_from_text(payload).actions)
     if mark == "@x":

@@ -310,7 +310,8 @@ def _warnings(record: Mapping[str, Any], facts: ComponentFacts | None) -> Iterat
 
     for context in record["contexts"]:
         asked, reached = context["rate_hz"], context["reached_hz"]
-        if asked and reached is not None and reached < _SLOW * asked:
+        is_waiting = facts is not None and facts.waits
+        if asked and reached is not None and reached < _SLOW * asked and not is_waiting:
             yield f"context {context['id']} reaches {reached:.4g} of {asked:.4g} Hz"
         if context["trouble"]:
             yield f"context {context['id']} runs without {context['trouble']}"
@@ -321,6 +322,8 @@ def _warnings(record: Mapping[str, Any], facts: ComponentFacts | None) -> Iterat
         return
     if facts.restart_status.stops:
         yield facts.restart_status.stops
+    if facts.waits:
+        yield f"it is {facts.waits}; rtattach {record['path']} gives it some"
     file = facts.changed_code(present_code([facts]))
     if file:
         yield f"its code has changed since it was loaded ({file})"

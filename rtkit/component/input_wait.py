@@ -1,0 +1,87 @@
+"""Waits of components for input: since when each waits, and which are to end theirs.
+
+A callback that waits for a line cannot be cancelled from outside, so a component that is to be
+deactivated or ended has its wait raise `InputEnded`.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Protocol
+
+WAITS = "waiting for input"
+
+
+class InputEnded(SystemExit):
+    """Raised where a component waits for input when it is to be deactivated or ended.
+
+    No failure of its callback: that is left, and counts as done. Code that handles errors lets it
+    pass, as it does `SystemExit`.
+    """
+
+
+class EndOfWaits(Protocol):
+    """Ends the waits of a component when it is rung, until it is hushed."""
+
+    def ring(self) -> object:
+        """Have each wait end."""
+
+    def hush(self) -> object:
+        """Let it wait again."""
+
+
+_since: dict[str, float] = {}
+_leaving: set[str] = set()
+_wakers: dict[str, EndOfWaits] = {}
+
+
+def begin_wait(instance: str) -> None:
+    """Note that a component waits for input."""
+    _since[instance] = time.time()
+
+
+def end_wait(instance: str) -> None:
+    """Note that a component waits for input no longer."""
+    _since.pop(instance, None)
+
+
+def wait_of(instance: str) -> str:
+    """Return ``waiting for input since 12:00:00`` of a component that does; else nothing."""
+    since = _since.get(instance)
+    if since is None:
+        return ""
+    return f"{WAITS} since {time.strftime('%H:%M:%S', time.localtime(since))}"
+
+
+def ended_by(instance: str, end: EndOfWaits | None) -> None:
+    """Register what ends the waits of a component; None: remove it."""
+    if end is None:
+        _wakers.pop(instance, None)
+    else:
+        _wakers[instance] = end
+
+
+def leave_input(instance: str) -> None:
+    """Have each wait of a component end, those that begin from now on too."""
+    _leaving.add(instance)
+    end = _wakers.get(instance)
+    if end is not None:
+        end.ring()
+
+
+def allow_input(instance: str) -> None:
+    """Let a component wait again."""
+    _leaving.discard(instance)
+    end = _wakers.get(instance)
+    if end is not None:
+        end.hush()
+
+
+def check_input(instance: str) -> None:
+    """Raise if a component is to wait for no more input.
+
+    Raises:
+        InputEnded: It is to be deactivated or ended.
+    """
+    if instance in _leaving:
+        raise InputEnded(f"{instance} is to wait for no more input")
