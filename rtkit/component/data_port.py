@@ -19,8 +19,13 @@ T = TypeVar("T")
 
 
 class DataPort(Port, Watchable[T]):
-    """A port that carries values of one type; its connectors can be listened to."""
+    """A port that carries values of one type; its connectors can be listened to.
 
+    Attributes:
+        is_undecoded: Whether values of other processes stay octets, where they arrive.
+    """
+
+    is_undecoded = False
     _listeners: ConnectorListeners | None = None
 
     def __init__(

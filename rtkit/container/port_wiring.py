@@ -98,10 +98,9 @@ class PortWiring:
     def receive(self, connector: ConnectorProfile, into: InPort[Any]) -> str:
         """Open the receiving end of a stream and return its endpoint."""
         sink = _present_sink(into, connector)
-        decode = codec_for(into.data_type_for(connector)).decode
-
         id, options = connector.connector_id, parse_options(connector.properties)
-        deliver = _changing(sink, decode, id)
+        decode = codec_for(into.data_type_for(connector)).decode
+        deliver = _changing(sink, None if into.is_undecoded else decode, id)
         with _undone(lambda: into.close(id)):
             endpoint, inlet = self._streams(connector).receive(
                 self._key(connector, 1),

@@ -22,6 +22,7 @@ from rtkit.container.attached_process import ENTERING, AttachedProcess, attached
 from rtkit.deployment.actions import Action, ChangeState, Connect
 from rtkit.errors import Refused, RtkitError, from_kind
 from rtkit.link import stopping
+from rtkit.probe.backlog import Backlog
 from rtkit.probe.port_spec import Stream
 from rtkit.probe.tap import Arrival, Tap
 from rtkit.rtc.enums import Transition
@@ -95,6 +96,9 @@ class Probe(Closing):
         is_patient: Whether it goes on without connections, as others may come.
     """
 
+    _backlog: Backlog | None = None
+    _taken: Sequence[Arrival] = ()
+
     def __init__(
         self,
         tree: Tree,
@@ -126,6 +130,9 @@ class Probe(Closing):
             Refused: A connection is not possible, or failed; names the port as typed.
         """
         self._properties = properties
+        if properties == LOSSLESS and not self._rate:
+            self._backlog = Backlog()
+            self._bound(self._ports)
         self._attached.listeners.append(self._look)
         activate = ChangeState(self.component.instance, "0", Transition.ACTIVATE)
         groups: dict[Tree, list[Stream]] = {}
@@ -138,7 +145,13 @@ class Probe(Closing):
 
     def extend(self, ports: Sequence[Port]) -> None:
         """Give the component further ports; the manager knows them a little later."""
+        self._bound(ports)
         self._attached.change(self.component, lambda: self.component.extend(ports))
+
+    def _bound(self, ports: Iterable[Port]) -> None:
+        for port in ports:
+            if isinstance(port, Tap):
+                port.backlog = self._backlog
 
     def join(self, tree: Tree, streams: Sequence[Stream], refused: Refusal) -> None:
         """Connect further streams, by a connection to the present manager; see `connect`."""
@@ -188,6 +201,7 @@ class Probe(Closing):
     @property
     def lost(self) -> int:
         """Number of values that were sent to it and are not among its arrivals."""
+        self._let_in()
         taps = (port for port in self._ports if isinstance(port, Tap))
         return self._attached.lost() + sum(tap.lost for tap in taps)
 
@@ -209,8 +223,14 @@ class Probe(Closing):
             yield piece
 
     def take(self, until: float | None) -> list[Arrival] | None:
-        """Wait for arrivals until that time [s]; return None when nothing can arrive any more."""
+        """Wait for arrivals until that time [s]; return None when nothing can arrive any more.
+
+        The values of the call before have been dealt with.
+        """
         arrived = self.component.arrived
+        if self._backlog is not None:
+            self._backlog.leave(arrival.payload for arrival in self._taken)
+            self._taken = ()
         while not (self._ended.is_set() and arrived.empty()):
             wait_s = None if until is None else max(0.0, until - time.monotonic())
             try:
@@ -219,8 +239,13 @@ class Probe(Closing):
                 return []
             stopping.check()
             if piece:
+                self._taken = piece if self._backlog is not None else ()
                 return piece
         return None
+
+    def _let_in(self) -> None:
+        if self._backlog is not None:
+            self._backlog.open()
 
     def wake(self) -> None:
         """Wake the waiting thread, which goes on to wait unless a stop was requested."""
@@ -258,11 +283,13 @@ class Probe(Closing):
     def stop(self) -> None:
         """End the arrivals and wake the waiting thread; may be called on any thread."""
         self._ended.set()
+        self._let_in()
         self.component.arrived.put([])
         self.component.notify()
 
     def close(self) -> None:
         """End the component and detach the process."""
+        self._let_in()
         if self._look in self._attached.listeners:
             self._attached.listeners.remove(self._look)
         self._attached.end([self.component.instance])

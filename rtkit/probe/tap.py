@@ -9,6 +9,7 @@ from typing import NamedTuple, cast
 from rtkit.component.buffer import Sink
 from rtkit.component.options import PortStatus
 from rtkit.component.port import InPort
+from rtkit.probe.backlog import Backlog
 
 
 class Arrival(NamedTuple):
@@ -17,7 +18,7 @@ class Arrival(NamedTuple):
     Attributes:
         stream: Name of the stream that brought it.
         time_ns: When it arrived, Unix time [ns].
-        payload: The value in CDR.
+        payload: The value in CDR; a view, where it is large.
     """
 
     stream: str
@@ -26,10 +27,17 @@ class Arrival(NamedTuple):
 
 
 class Tap(InPort[bytes]):
-    """An in port of any data type; reading returns arrivals."""
+    """An in port of any data type; reading returns arrivals.
+
+    Attributes:
+        backlog: Lets the values that arrive wait; None where they do not.
+    """
+
+    is_undecoded = True
 
     def __init__(self, name: str, properties: Mapping[str, str] | None = None) -> None:
         super().__init__(bytes, name, properties)
+        self.backlog: Backlog | None = None
 
     def copy(self) -> Tap:
         """Return a port of the same kind without connectors."""
@@ -44,6 +52,13 @@ class Tap(InPort[bytes]):
         name = self.name
 
         def stamp(payload: bytes) -> PortStatus | None:
-            return keep(cast(bytes, Arrival(name, time.time_ns(), payload)))
+            arrival = Arrival(name, time.time_ns(), payload)
+            if self.backlog is None:
+                return keep(cast(bytes, arrival))
+            self.backlog.enter(payload)
+            refused = keep(cast(bytes, arrival))
+            if refused is not None:
+                self.backlog.leave([payload])
+            return refused
 
         return stamp

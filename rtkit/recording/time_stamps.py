@@ -14,9 +14,9 @@ _HEADER = 4
 _FORMS = {b"\x00\x01": struct.Struct("<II"), b"\x00\x00": struct.Struct(">II")}
 
 
-def stamp_of(payload: bytes) -> int | None:
+def stamp_of(payload: bytes | memoryview) -> int | None:
     """Return the time with which a value begins, Unix time [ns]; None if it is too short."""
-    form = _FORMS.get(payload[:2])
+    form = _FORMS.get(bytes(payload[:2]))
     if form is None or len(payload) < _HEADER + form.size:
         return None
     seconds, nanoseconds = form.unpack_from(payload, _HEADER)
