@@ -98,7 +98,8 @@ def _lines(name: str, info: Info) -> Iterator[str]:
         yield f"End time: {_date(info.last_ns)}"
     yield f"Number of entries: {info.entries}"
     if not info.is_whole:
-        yield "Not finished: the recorder was killed; everything above can be read"
+        why = "the recorder was killed, or the disk was full"
+        yield f"Not finished: {why}; everything above can be read"
     for number, channel in enumerate(info.channels, start=1):
         yield f"Channel {number}"
         yield f"  Name: {channel.name}"

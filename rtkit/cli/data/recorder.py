@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+import errno
 import re
 import signal
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from functools import partial
-from typing import IO, TYPE_CHECKING, cast
+from typing import IO, TYPE_CHECKING
 
 from rtkit.api.ports import reading, streams_at
 from rtkit.cli.data.arguments import specified
 from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.progress import Show, metered
-from rtkit.cli.shared.signals import waking_main
+from rtkit.cli.shared.signals import held_back, waking_main
 from rtkit.errors import Refused
 from rtkit.link.atomic import STDOUT
 
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     from rtkit.rtc.profiles import PortRef
 
 _NS = 1_000_000_000
+_FROM_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+"""Errors of a write to a file; they do not name it."""
 _FLUSH_S = 0.02
 """Time that a line of a text log waits for others: short, so that a kill loses few [s]."""
 
@@ -59,11 +62,13 @@ def record(
     types = {each.name: _type(app, each) for each in streams}
     warn = partial(_not_recorded, app)
     refused = warn if is_patient else None
+    # A pipe may be full for ever, so there a signal ends a write.
+    steady = nullcontext if name == STDOUT else partial(held_back, signal.SIGINT, signal.SIGTERM)
     with (
         waking_main(),
         _ended_in_order(),
         opened(name, form) as file,
-        _sink(form, file, types) as sink,
+        _sink(form, file) as sink,
         reading(
             app.tree, "rtlog_recorder", streams, lossless=is_lossless, refused=refused
         ) as probe,
@@ -84,11 +89,14 @@ def record(
 
                 late = LatePorts(app, probe, specs, streams, _name, warn, stamps.add)
                 take = stack.enter_context(late).take
-            _take(take, sink, limit, stamps.of, show)
+            begin_s = time.process_time()
+            _take(take, sink, limit, stamps.of, show, steady)
+            spent_s = time.process_time() - begin_s
         reader.check()
         if probe.lost:
             app.report(f"{app.name}: {probe.lost} values were lost")
-        app.verbose(f"{sink.count} entries in {name}")
+        each_us = spent_s * 1e6 / max(sink.count, 1)
+        app.verbose(f"{sink.count} entries in {name}, {each_us:.0f} us of processor time each")
         if not is_patient:
             probe.check_connected()
     if not sink.count:
@@ -181,45 +189,29 @@ def opened(name: str, form: str) -> Iterator[IO[bytes]]:
     if name == STDOUT:
         if form != "text" and sys.stdout.isatty():
             raise Refused("a terminal cannot show MCAP: -f FILE, a pipe, or -l text")
-        yield sys.stdout.buffer if form == "text" else cast("IO[bytes]", _Counted())
+        yield sys.stdout.buffer
         return
     try:
         file = open(name, "xb")  # noqa: SIM115 - closed below; only opening it may find another
     except FileExistsError:
         raise Refused(f"file exists already: {name}") from None
-    with file:
-        yield file
-
-
-class _Counted:
-    """Stdout that counts the bytes written; a pipe cannot tell its position."""
-
-    def __init__(self) -> None:
-        self._count = 0
-
-    def write(self, data: bytes) -> int:
-        self._count += len(data)
-        return sys.stdout.buffer.write(data)
-
-    def tell(self) -> int:
-        return self._count
-
-    def flush(self) -> None:
-        sys.stdout.buffer.flush()
+    try:
+        with file:
+            yield file
+    except OSError as error:
+        if error.filename is None and error.errno in _FROM_DISK:
+            error.filename = name
+        raise
 
 
 @contextmanager
-def _sink(
-    form: str, file: IO[bytes], types: Mapping[str, type]
-) -> Iterator[RecordingWriter | _TextSink]:
+def _sink(form: str, file: IO[bytes]) -> Iterator[RecordingWriter | _TextSink]:
     if form == "text":
         yield _TextSink(file, 0.0 if file is sys.stdout.buffer else _FLUSH_S)
         return
-    from rtkit.component.definition import has_octets
     from rtkit.recording.mcap_file import RecordingWriter
 
-    is_compressed = not any(map(has_octets, types.values()))
-    with RecordingWriter(file, is_compressed=is_compressed) as writer:
+    with RecordingWriter(file) as writer:
         yield writer
 
 
@@ -288,6 +280,7 @@ def _take(
     limit: _Limit,
     stamps: Mapping[str, Stamp],
     show: Show,
+    steady: Callable[[], AbstractContextManager[None]],
 ) -> None:
     """Write arrivals until the limit, and flush the file's buffer when that is due."""
     from rtkit.recording.entries import RecordedValue
@@ -298,13 +291,14 @@ def _take(
             break
         if limit.count is not None:
             piece = piece[: limit.count - sink.count]
-        for arrival in piece:
-            stamp = stamps[arrival.stream](arrival.payload) or arrival.time_ns
-            sink.write(RecordedValue(arrival.stream, stamp, arrival.time_ns, arrival.payload))
-        now = time.monotonic()
+        with steady():
+            for arrival in piece:
+                stamp = stamps[arrival.stream](arrival.payload) or arrival.time_ns
+                sink.write(RecordedValue(arrival.stream, stamp, arrival.time_ns, arrival.payload))
+            now = time.monotonic()
+            if sink.flush_at is not None and now >= sink.flush_at:
+                sink.flush()
         show(*limit.progress(sink.count, now))
-        if sink.flush_at is not None and now >= sink.flush_at:
-            sink.flush()
         if limit.until is not None and now >= limit.until:
             break
 

@@ -53,6 +53,20 @@ def waking_main() -> Iterator[None]:
         signal.signal(_NUDGE, former)
 
 
+@contextmanager
+def held_back(*numbers: int) -> Iterator[None]:
+    """Deliver signals that come during the body at its end, so that none ends it half-way."""
+    came: list[int] = []
+    former = {each: signal.signal(each, lambda number, _: came.append(number)) for each in numbers}
+    try:
+        yield
+    finally:
+        for number, handler in former.items():
+            signal.signal(number, handler)
+        for number in came:
+            signal.raise_signal(number)
+
+
 class End:
     """Event that a handler of signals may set at any moment, also within itself and within `wait`.
 
