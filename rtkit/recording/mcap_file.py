@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from types import TracebackType
 from typing import IO, Any, Self
 
-from rtkit.component.definition import ENCODING, idl_of, name_of
+from rtkit.component.definition import ENCODING, has_octets, idl_of, name_of
 from rtkit.errors import Malformed
 from rtkit.recording.entries import NANOSECONDS, Info, RecordedStream, RecordedValue, Span
 from rtkit.rtc.data_types import scoped_name
@@ -22,7 +22,6 @@ from rtkit.rtc.data_types import scoped_name
 CHUNK_S = 0.5
 """Longest time that a chunk stays open [s]."""
 
-_CHUNK_BYTES = 512 * 1024
 _PROFILE = "rtkit"
 _META = "rtkit.recording"
 _MAX_RECORD = 1 << 30
@@ -33,19 +32,14 @@ _LONGEST_S = 1e12
 class RecordingWriter:
     """Writes a recording; use as a context manager, which finishes the file.
 
-    Octets, which images consist of, hardly become shorter: to compress them takes most of the time.
-
     Attributes:
         count: Number of values written.
     """
 
-    def __init__(self, file: IO[bytes], *, is_compressed: bool = True) -> None:
-        from mcap.writer import CompressionType
-        from mcap.writer import Writer as Mcap
+    def __init__(self, file: IO[bytes]) -> None:
+        from rtkit.recording.mcap_writer import McapWriter
 
-        compression = CompressionType.LZ4 if is_compressed else CompressionType.NONE
-        self._mcap = Mcap(file, chunk_size=_CHUNK_BYTES, compression=compression)
-        self._mcap.start(_PROFILE, "rtkit")
+        self._mcap = McapWriter(file, _PROFILE, "rtkit")
         self._mcap.add_metadata(_META, {"began_ns": str(time.time_ns())})
         self._numbers: dict[str, int] = {}
         self._sequence: dict[str, int] = {}
@@ -62,7 +56,7 @@ class RecordingWriter:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._mcap.finish()  # type: ignore[no-untyped-call]
+        self._mcap.finish()
 
     @property
     def flush_at(self) -> float | None:
@@ -73,31 +67,29 @@ class RecordingWriter:
         """Declare a stream, once, before its first value.
 
         Of one that is recorded as bytes the schema is what is known of its type: the definition
-        that came with it, or the name alone.
+        that came with it, or the name alone. Values with octets, which images consist of, hardly
+        become shorter, and to compress them would take most of the time.
         """
         text = channel.definition if cls is bytes else _text_of(cls)
         name = scoped_name(channel.data_type) if cls is bytes else name_of(cls)
         encoding = ENCODING if text else ""
-        number = self._mcap.register_schema(name, encoding, text.encode()) if name else 0
-        self._numbers[channel.name] = self._mcap.register_channel(
+        number = self._mcap.add_schema(name, encoding, text.encode()) if name else 0
+        sources = "\n".join(channel.sources)
+        self._numbers[channel.name] = self._mcap.add_channel(
             channel.name,
-            "cdr",
             number,
-            {
-                "data_type": channel.data_type,
-                "sources": "\n".join(channel.sources),
-                **_of_clock(channel),
-            },
+            {"data_type": channel.data_type, "sources": sources, **_of_clock(channel)},
+            is_compressed=not has_octets(cls),
         )
 
     def write(self, entry: RecordedValue) -> None:
-        """Add a value to the present chunk."""
+        """Add a value to the present chunk; it is not to change until that is closed."""
         sequence = self._sequence[entry.channel] = self._sequence.get(entry.channel, -1) + 1
         number = self._numbers[entry.channel]
         self.count += 1
         # Viewers go by the first time, which is that of the arrival.
         stamp_ns = entry.time_ns + entry.offset_ns
-        self._mcap.add_message(number, entry.arrived_ns, entry.payload, stamp_ns, sequence)
+        self._mcap.add_value(number, sequence, entry.arrived_ns, stamp_ns, entry.payload)
         now = time.monotonic()
         if self._close_at is None:
             self._close_at = now + CHUNK_S
@@ -106,7 +98,7 @@ class RecordingWriter:
 
     def flush(self) -> None:
         """Close the present chunk, so that its values can be read."""
-        self._mcap.flush()  # type: ignore[no-untyped-call]
+        self._mcap.flush()
         self._close_at = None
 
 

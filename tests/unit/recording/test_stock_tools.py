@@ -75,8 +75,7 @@ def test_what_is_recorded_is_understood_by_what_the_file_says(told: str, tmp_pat
     value = VALUES[told]
     payload = codec_for(type(value)).encode(value)
     path = tmp_path / "x.mcap"
-    is_compressed = not has_octets(type(value))
-    with path.open("wb") as file, RecordingWriter(file, is_compressed=is_compressed) as writer:
+    with path.open("wb") as file, RecordingWriter(file) as writer:
         writer.add_channel(RecordedStream("a", "", ("/localhost/A.rtc:out",)), type(value))
         for number in range(3):
             writer.write(RecordedValue("a", 10**18, 10**18 + number, payload))
