@@ -1,6 +1,7 @@
 """Measures data tools at fast streams: a counting ``rtprint`` and ``rtlog``, and their losses.
 
 A source writes as fast as values are taken, so the time that a fixed number takes tells the rate.
+``rtlog`` stands beside writers that have the values at hand and only store them.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -18,6 +20,7 @@ from functools import partial
 
 from bench.harness import Lines, Row, command, manager
 from bench.pairs import alone, medians, pairs_of
+from bench.writers import BARE_IS, PACKAGE_IS, Cost, writer
 from rtkit.deployment.actions import Action, ChangeState, Create, SetParameters
 from rtkit.recording.mcap_file import CHUNK_S, RecordingReader
 from rtkit.rtc.enums import Transition
@@ -27,23 +30,68 @@ _COMPONENTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "componen
 _PORT = "/localhost/F.rtc:out"
 _ROUNDS = 5
 _PATIENCE_S = 60.0
-_FILE = "FILE"
 _FLOOR_IS = "bare zenoh that counts the same bytes, same kind of sockets and sessions"
 _OVERHEAD = 16
 """What the form of data adds to the octets of a value [bytes]."""
 
 _STREAMS = (("10,000 values of 64 B", 10_000, 64), ("200 MB as 1 MB images", 200, 1_000_000))
 _TARGET_MS = 1000.0
+_LARGE = 1000
+_LIKE_THE_PACKAGE = 1.3
+_TURNS = 9
 _KILLS = 12
 _CLOSED_IS = "after which what was recorded can be read, whatever happens"
 
 
 def _printing() -> Lines:
-    yield from _kept_up("rtprint --stats", ["rtprint", "--stats", "--lossless", "-n"])
+    words = [command("rtprint"), "--stats", "--lossless", "-n"]
+    with _flood() as flood, _bare() as bare:
+        for what, count, size in _STREAMS:
+
+            def ours(count: int = count, size: int = size) -> float:
+                return flood.measure([*words, str(count), _PORT], count, size)[0]
+
+            measured = medians(pairs_of(ours, partial(bare, count, size), _ROUNDS))
+            yield Row(f"rtprint --stats, {what}", "ms", measured, _TARGET_MS, False, _FLOOR_IS)
 
 
 def _recording() -> Lines:
-    yield from _kept_up("rtlog", ["rtlog", "--lossless", "-i", "-f", _FILE, "-e"])
+    with (
+        _flood() as flood,
+        tempfile.TemporaryDirectory(prefix="rtb") as folder,
+        writer("package", os.path.join(folder, "package")) as package,
+        writer("bare", os.path.join(folder, "bare")) as bare,
+    ):
+        ours = partial(_recorded, flood, os.path.join(folder, "x.mcap"))
+        for what, count, size in _STREAMS:
+            takers = ours, package, bare
+            turns = [tuple(each(count, size) for each in takers) for _ in range(_TURNS + 1)][1:]
+            yield from _beside_writers(f"rtlog, {what}", turns, count, is_large=size > _LARGE)
+
+
+def _beside_writers(
+    what: str, turns: list[tuple[Cost, ...]], count: int, *, is_large: bool
+) -> Lines:
+    """Yield rows of time beside both writers, and of processor time beside the package."""
+    each = 1e3 / count
+    times = [[cost.elapsed_ms for cost in turn] for turn in turns]
+    spent = [(ours.spent_ms * each, package.spent_ms * each) for ours, package, _ in turns]
+    bound = (_LIKE_THE_PACKAGE, True) if is_large else (_TARGET_MS, False)
+    beside_package = medians([(ours, package) for ours, package, _ in times])
+    beside_bare = medians([(ours, bare) for ours, _, bare in times])
+    yield Row(what, "ms", beside_package, *bound, PACKAGE_IS)
+    yield Row(f"{what}, beside bare writes", "ms", beside_bare, None, True, BARE_IS)
+    yield Row(f"{what}, processor time of each", "us", medians(spent), None, True, PACKAGE_IS)
+
+
+def _recorded(flood: _Flood, file: str, count: int, size: int) -> Cost:
+    words = [command("rtlog"), "--lossless", "-i", "-f", file, "-e", str(count), _PORT]
+    elapsed_ms, told = flood.measure(words, count, size)
+    os.unlink(file)
+    spent = re.search(r", (\d+) us of processor time each", told)
+    if spent is None:
+        raise RuntimeError(f"rtlog tells no processor time: {told}")
+    return Cost(elapsed_ms, int(spent[1]) * count / 1e3)
 
 
 def _losing() -> Lines:
@@ -84,23 +132,6 @@ def _lost_ms(path: str, after_s: float) -> float:
 PARTS = {"print": _printing, "log": _recording, "lose": _losing, "kill": _killing}
 
 
-def _kept_up(name: str, words: list[str]) -> Lines:
-    with _flood() as flood, _bare() as bare, tempfile.TemporaryDirectory(prefix="rtb") as folder:
-        for what, count, size in _STREAMS:
-            ours = partial(_tool_ms, flood, folder, words, count, size)
-            measured = medians(pairs_of(ours, partial(bare, count, size), _ROUNDS))
-            yield Row(f"{name}, {what}", "ms", measured, _TARGET_MS, False, _FLOOR_IS)
-
-
-def _tool_ms(flood: _Flood, folder: str, words: list[str], count: int, size: int) -> float:
-    file = os.path.join(folder, "x.mcap")
-    first, *more = [file if word == _FILE else word for word in words]
-    elapsed_ms = flood.measure([command(first), *more, str(count), _PORT], count, size)
-    if _FILE in words:
-        os.unlink(file)
-    return elapsed_ms
-
-
 class _Flood:
     """A source in a slave, and tools at its port."""
 
@@ -108,15 +139,18 @@ class _Flood:
         self._tree = tree
         _do(tree, Create("Flood?instance_name=F&manager_name=f"))
 
-    def measure(self, tool: list[str], count: int, size: int) -> float:
-        """Return how long it takes from the first value until the tool has ended [ms]."""
+    def measure(self, tool: list[str], count: int, size: int) -> tuple[float, str]:
+        """Return how long it takes from the first value until the tool has ended [ms].
+
+        And what it tells meanwhile.
+        """
         process = self._connected(tool, count, size)
         begin = time.perf_counter()
         _do(self._tree, ChangeState("F", "0", Transition.ACTIVATE))
-        process.communicate(timeout=_PATIENCE_S)
+        _, told = process.communicate(timeout=_PATIENCE_S)
         elapsed_ms = (time.perf_counter() - begin) * 1e3
         self._end(process)
-        return elapsed_ms
+        return elapsed_ms, told
 
     def told(self, tool: list[str], count: int, size: int) -> dict[str, int]:
         """Return what the tool tells as JSON of a stream that it may lose values of."""
