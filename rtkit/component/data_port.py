@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
@@ -49,9 +50,9 @@ class DataPort(Port, Watchable[T]):
         self._profiles: dict[str, ConnectorProfile] = {}
         self._begin()
 
+    @abstractmethod
     def _begin(self) -> None:
         """Set up what a port of this direction keeps."""
-        raise NotImplementedError
 
     @property
     def profile(self) -> PortProfile:

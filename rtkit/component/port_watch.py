@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from threading import Lock
 from time import monotonic
@@ -15,7 +16,7 @@ WATCHED_S = 3.0
 """How long a port is watched after the last look at it [s]."""
 
 
-class Watchable(Generic[T]):
+class Watchable(ABC, Generic[T]):
     """Base of ports that can be watched."""
 
     _lock: Lock
@@ -36,9 +37,9 @@ class Watchable(Generic[T]):
                 self._watch = None
                 self._rewire()
 
+    @abstractmethod
     def _rewire(self) -> None:
         """Have values pass by the watch, or no longer; under the lock."""
-        raise NotImplementedError
 
 
 class PortWatch(Generic[T]):

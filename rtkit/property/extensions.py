@@ -88,7 +88,9 @@ class Extensions:
             nothing_else(parameters, "properties")
             self._bulk.set(place, payload, ask.caller)
         else:
-            raise PropertyError("read-only", f"cannot be set: {place.name}.{place.extension}")
+            done = "listened to" if place.field == "listen" else "set"
+            what = _below(place, place.extension)
+            raise PropertyError("read-only", f"cannot be {done}: {what}")
 
     def _listen(
         self, place: NameEntry, ref: str, parameters: dict[str, Value], caller: Requester

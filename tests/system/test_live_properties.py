@@ -212,6 +212,7 @@ REFUSED = [
         1,
         "robots/arm.angle.meta: read-only: cannot be set: angle.meta",
     ),
+    ("rtlisten robots/arm.gui", 1, "robots/arm.gui: read-only: cannot be listened to: gui"),
     ("rtget -p x=1 robots/arm.name", 2, "robots/arm.name: bad-parameter: name has no parameter x"),
     ("rtlisten robots/arm.nope", 4, "robots/arm.nope: unknown: no such property: nope"),
     ("rtserve arm:Arm robots/arm", 1, "a service named 'robots/arm' is running already"),

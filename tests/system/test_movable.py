@@ -43,14 +43,18 @@ def fleet(commands: Commands, hosts: list[FarHost]) -> Iterator[Shell]:
 
 
 @pytest.fixture
-def applied(fleet: Shell, hosts: list[FarHost]) -> Shell:
+def applied(fleet: Shell, hosts: list[FarHost]) -> Iterator[Shell]:
     """A shell whose system is as its profile says, and numbers of robot1 come here and there."""
     linked_again(fleet, *hosts)
     (fleet.folder / "count").unlink(missing_ok=True)
     hosts[1].run("rm", "-f", "/root/count")
     assert fleet.run(f"rtapply {FILE}").status == 0
     until(lambda: min(numbers(fleet, hosts)) > OLD, "numbers of robot1 come to both")
-    return fleet
+    yield fleet
+    linked_again(fleet, *hosts)
+    for other in {*fleet.folder.glob("*.xml")} - {fleet.folder / FILE}:
+        fleet.run(f"rtteardown --exit {other.name}")  # what a test that failed has left
+        other.unlink()
 
 
 def give_modules(shell: Shell, hosts: list[FarHost]) -> None:

@@ -102,6 +102,9 @@ def test_widgets_are_declared_beside_a_type() -> None:
     assert refused(service, "volume.gui.text") == "unknown"
     with pytest.raises(PropertyError, match=r"no such property: gui\.nix$"):
         service.get("gui.nix")
+    for name, what in (("volume.gui", "set"), ("gui.listen", "listened to")):
+        with pytest.raises(PropertyError, match=rf"^cannot be {what}: .*gui$"):
+            service.set(name, "self")
 
 
 def test_widgets_are_told_by_methods_and_are_no_properties() -> None:
