@@ -112,7 +112,9 @@ def carry_out(session: Session, move: Move) -> None:
         survey = goal.survey(now, was)
         plan = goal.plan(now, was)
         with step_times.noting(session, goal.system, was) as taken:
-            applier = Applier(session.tree, goal, report, report, taken, survey, uninterrupted)
+            applier = Applier(
+                session.tree, goal, report, report, taken, survey, uninterrupted, session.watch
+            )
             applier.run(plan, was, rolls_back=True)
     except (RtkitError, KeyboardInterrupt):
         with suppress(RtkitError):

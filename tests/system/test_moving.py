@@ -8,6 +8,7 @@ import signal
 from pathlib import Path
 from typing import Any
 
+import jsonrecords
 import pytest
 from counting import CHECKER, COUNTER, RELAY
 from waiting import until
@@ -69,8 +70,15 @@ def test_a_component_moves_with_all_that_it_has(manager: Any) -> None:
     done(shell, MOVE)
     assert is_whole(shell, WHERE)
     assert "/localhost/m2.mgr/arm.mgr/Sample.rtc" in shell.ok("rtfind -n Sample.rtc /")
-    done(shell, f"rtmove {WHERE} /localhost/manager.mgr")
+    plan, *steps = jsonrecords.checked(shell.ok(f"rtmove --json {WHERE} /localhost/manager.mgr"))
+    assert {jsonrecords.kind_of(each) for each in steps} == {"step"}
+    ended = {each["text"] for each in steps if each["state"] in ("done", "held")}
+    assert ended == {each["text"] for each in plan["steps"]}
     assert is_whole(shell, "/localhost/Sample.rtc")
+    (nothing,) = jsonrecords.checked(
+        shell.ok("rtmove --json /localhost/Sample.rtc /localhost/manager.mgr")
+    )
+    assert nothing["steps"] == []
     assert shell.run("rtmove -n /localhost/Sample.rtc /localhost/manager.mgr").out.startswith(
         "nothing to do"
     )

@@ -18,12 +18,14 @@ from rtkit.cli.system import shared
             "Move it to slave arm, which is made if it is not there.",
         ),
     ),
+    json=("plan", "step"),
     arguments=("component", "manager|slave"),
 )
 def main(
     app: App,
     dry_run: bool = flag("-n --dry-run", "Print what would be done, and do nothing."),
     wait_s: float = shared.WAIT,
+    is_json: bool = shared.PLAN_JSON,
     paths: tuple[str, ...] = arguments("COMPONENT TARGET"),
 ) -> None:
     """Move a component to another slave, manager or linked host.
@@ -44,15 +46,19 @@ def main(
     a file beside the logs keeps what the component was like.
     """
     from rtkit.api import moving
-    from rtkit.deployment.planning.rendering import lines
+    from rtkit.deployment.planning.rendering import as_plain, lines
 
+    shared.watch(app, is_json=is_json)
     if len(paths) != 2:
         raise WrongArguments("needs a component and where it is to go")
     path, target = app.path(paths[0]), app.beside(paths[1])
     lock = None if dry_run else shared.locks(app, paths, wait_s)
     move = moving.prepare(app, path, target, lock=lock)
-    if dry_run:
+    if app.watch is not None and (dry_run or not move.plan.moves):
+        app.watch.plan(as_plain(move.plan, move.goal.costs))
+    elif dry_run:
         terminal.write(map(terminal.printable, lines(move.plan, move.goal.costs)))
+    if dry_run:
         return
     moving.carry_out(app, move)
     if not move.plan.moves:

@@ -89,7 +89,7 @@ ELSEWHERE = {
 
 WITHOUT = {
     "rtact", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdis", "rtexit",
-    "rtinject", "rtmove", "rtproxy", "rtreset", "rtserve", "rtset",  # change, and tell nothing
+    "rtinject", "rtproxy", "rtreset", "rtserve", "rtset",  # change, and tell nothing
     "rtcwd",  # prints what a shell is to evaluate
     "rthost", "rtkeys", "rtpkg", "rtprofile",  # their words have it
     "rtdoc", "rtstodot",  # write documents of other forms
