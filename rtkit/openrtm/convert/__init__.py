@@ -1,0 +1,1 @@
+"""Writes components of OpenRTM-aist-Python as native ones, idiom by idiom."""
