@@ -61,6 +61,7 @@ class Component(Callbacks):
         has_machine: Whether it is a `rtkit.component.fsm.FsmComponent`.
         own_attributes: Names of the attributes that the base class keeps on each instance.
         is_stand_in: Whether it has the outside of another component and no code of its own.
+        configuration_class: Class of its configuration.
         instance: Its name.
         type: Identity of its type.
         ports: Its ports by name, in order of declaration.
@@ -83,6 +84,7 @@ class Component(Callbacks):
     composite_type: ClassVar[str] = ""
     has_machine: ClassVar[bool] = False
     is_stand_in: ClassVar[bool] = False
+    configuration_class: ClassVar[type[Configuration]] = Configuration
     own_attributes: ClassVar[tuple[str, ...]] = (
         "cause", "composite", "configuration", "contexts", "instance", "is_alive",
         "member_components", "options", "participations", "ports", "report", "type",
@@ -116,7 +118,7 @@ class Component(Callbacks):
         self.is_alive = False
         self.cause = ""
         self.report: Callable[[str], None] = self._log
-        self.configuration = Configuration(lambda text: self.report(text))
+        self.configuration = self.configuration_class(lambda text: self.report(text))
         for attribute, declared in self._declared.items():
             setattr(self, attribute, self._add(declared.copy()))
         self._configure()

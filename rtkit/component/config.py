@@ -66,9 +66,9 @@ class Configuration:
         """Return whether an activation waits for the next state update."""
         return bool(self._pending)
 
-    def bind(self, name: str, default: Value) -> None:
-        """Declare a parameter: its kind is that of its default value."""
-        kind = kind_of(default)
+    def bind(self, name: str, default: Value, kind: ParameterKind | None = None) -> None:
+        """Declare a parameter: its kind is that of its default value, if no other is given."""
+        kind = kind or kind_of(default)
         self._kinds[name] = (kind, default)
         self.values[name] = default
         present = self._sets[DEFAULT]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import sys
 import time
 import zlib
@@ -25,6 +26,9 @@ from rtkit.rtc.create import CreateString
 from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile
 
+_FOREIGN = "__rtkit_foreign__"
+"""In a module that was written for OpenRTM-aist: what the loader needs to know of it."""
+_OPENRTM = b"OpenRTM_aist"
 _LOOK_S = 0.01
 """How long a file counts as what it was when it was looked at: no edit is as quick [s]."""
 Complete = Callable[[CreateString, TypeProfile], CreateString]
@@ -124,7 +128,8 @@ class Loader:
 
     def _load(self, path: str, init: str) -> ModuleProfile:
         source = self._search.read(path)
-        name = init or source.init or f"{os.path.basename(source.file).partition('.')[0]}Init"
+        usual = f"{os.path.basename(source.file).partition('.')[0]}Init"
+        name = init or source.init or usual
         known = self._modules.get((source.real, name))
         if known is not None:
             return known
@@ -136,9 +141,10 @@ class Loader:
             raise Refused(f"module {path} has changed since it was loaded (rtmgr -u forgets it)")
         with among_its_own(source):
             module = imported.module if imported else import_source(source)
-            classes = _initialise(module, name, path)
+            classes = _initialise(module, name, path, is_usual=name == usual)
         if imported is None:
-            beside = fingerprints(source)
+            foreign = vars(module).get(_FOREIGN)
+            beside = fingerprints(source) | (dict(foreign.files) if foreign else {})
             imported = _Imported(module, fingerprint, _stamp(source.real), beside)
         types = self.factories.register_all(classes)
         code = {source.real: fingerprint, **imported.beside}
@@ -214,6 +220,10 @@ class Loader:
         folder = os.path.dirname(real)
         if all(os.path.dirname(each) != folder for each in self._imported):
             forget_neighbours(real)
+            if "rtkit.openrtm.folder" in sys.modules:
+                from rtkit.openrtm.folder import forget_folder
+
+                forget_folder(folder)
         kept = {profile.id for other in self._modules.values() for profile in other.types}
         for profile in (each for module in gone for each in module.types):
             if profile in self.factories.types and profile.id not in kept:
@@ -296,7 +306,12 @@ def import_source(source: ModuleSource) -> ModuleType:
     module.__package__ = source.package
     sys.modules[name] = module
     try:
-        exec(code_of(file, source.text), module.__dict__)
+        if _OPENRTM in source.text:  # 0095: the one look that costs others nothing
+            from rtkit.openrtm.loading import run_module
+
+            vars(module)[_FOREIGN] = run_module(module, source.text, code_of)
+        else:
+            exec(code_of(file, source.text), module.__dict__)
     except BaseException as error:
         del sys.modules[name]
         raise Refused(_import_failure(error, file)) from error
@@ -304,7 +319,7 @@ def import_source(source: ModuleSource) -> ModuleType:
 
 
 def _import_failure(error: BaseException, file: str) -> str:
-    if isinstance(error, Refused) and str(error).startswith(f"{os.path.basename(file)}:"):
+    if isinstance(error, Refused) and re.match(r".*\.py:\d+\b", str(error)):
         return f"module does not import: {error}"
     line = getattr(error, "lineno", None) if isinstance(error, SyntaxError) else None
     trace = error.__traceback__
@@ -318,15 +333,20 @@ def _import_failure(error: BaseException, file: str) -> str:
     return f"module does not import: {type(error).__name__}{reason} ({file}:{line or 1})"
 
 
-def _initialise(module: ModuleType, name: str, path: str) -> list[type[Component]]:
+def _initialise(
+    module: ModuleType, name: str, path: str, *, is_usual: bool
+) -> list[type[Component]]:
+    foreign = vars(module).get(_FOREIGN)
     function: Any = getattr(module, name, None)
+    if foreign is not None:
+        function = foreign.init_function(name, is_usual=is_usual)
     if not callable(function):
         offered = [each for each, value in vars(module).items() if callable(value)]
         hint = did_you_mean(name, [each for each in offered if each.endswith("Init")])
         raise NotFound(f"no init function {name}{hint} in module {path}")
     registrar = _Registrar()
     try:
-        function(registrar)
+        function(registrar if foreign is None else foreign.manager(registrar))
     except BaseException as error:
         why = describe_failure(error, function)
         raise Refused(f"init function {name} of {path} failed: {why}") from error

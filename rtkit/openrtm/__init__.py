@@ -1,1 +1,5 @@
-"""Components written for OpenRTM-aist-Python: how their sources are read, converted and run."""
+"""Runs components written for OpenRTM-aist-Python as they lie, without OpenRTM and omniORB.
+
+The loader of modules hands a file that imports `OpenRTM_aist` to `rtkit.openrtm.loading`. Names
+in camel case are those that authors of such components call.
+"""

@@ -26,6 +26,8 @@ _BLANK = re.compile(rb"^[ \t\f]*(?:#.*)?\r?\n?$")
 _FALLBACKS = ("utf-8", "euc_jp", "cp932", "latin-1")
 """Encodings of sources that declare none that fits: EUC-JP is tried before Shift JIS, whose bytes
 it refuses nearly always, and the last one accepts any bytes."""
+_HALVED = re.compile(rb"(\(len\(\w+\._d_\w+\) *- *4\)) */ *2")
+"""How RTC Builder 1.1 counts the fields of a structure: in Python 3 that is no whole number."""
 _INDENT = re.compile(r"[ \t]*")
 _LINE = re.compile(r"[^\n]*\n|[^\n]+")
 _TAB = 8
@@ -53,6 +55,8 @@ def compiled(file: str, source: bytes, compile_source: Compile) -> CodeType:
         Refused: It is Python 2; names the line, and the command that converts it.
         SyntaxError: It is Python of no version.
     """
+    if b"._d_" in source:
+        source = _HALVED.sub(rb"\1 // 2", source)
     try:
         return compile_source(file, source)
     except (SyntaxError, ValueError):

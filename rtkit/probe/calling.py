@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
+from rtkit.component.defined_interface import DefinedInterface, DefinedOperation, interface_of
 from rtkit.component.invocation import Remote
 from rtkit.component.literal import Literal
 from rtkit.component.service import TIMEOUT, ServicePort
@@ -16,7 +17,6 @@ from rtkit.component.types import Time
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.fast_dataclass import MISSING, make_dataclass
 from rtkit.link.tap_messages import call_to_bytes
-from rtkit.probe.defined_interface import DefinedInterface, DefinedOperation, interface_of
 from rtkit.probe.port_spec import Stream
 from rtkit.probe.probe import Probe
 from rtkit.probe.templates import as_json

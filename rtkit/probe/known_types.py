@@ -52,7 +52,7 @@ def data_type(name: str, typed: str, definition: str = "") -> type:
         return bytes
     found = type_by_name(name)
     if found is None and definition:
-        from rtkit.probe.defined import class_of
+        from rtkit.component.defined import class_of
 
         try:
             return class_of(name, definition)

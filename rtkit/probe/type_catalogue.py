@@ -12,6 +12,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.component.codec import codec_for
+from rtkit.component.defined import UNFIT, class_in
 from rtkit.component.definition import docs_of, idl_of, word_of
 from rtkit.component.standard import SCOPES, find, names_of
 from rtkit.component.type_layout import (
@@ -30,7 +31,6 @@ from rtkit.component.value_text import plain
 from rtkit.errors import Malformed, NotFound, RtkitError
 from rtkit.idl.model import EnumDeclaration, InterfaceDeclaration, StructDeclaration
 from rtkit.idl.read import read_idl
-from rtkit.probe.defined import UNFIT, class_in
 from rtkit.rtc.data_types import is_same_type, scoped_name
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.nearest import did_you_mean

@@ -16,6 +16,7 @@ from rtkit.builder.component_files import build_types
 from rtkit.builder.packaging import TYPE_RULES, linter
 from rtkit.builder.types_code import TypesCode
 from rtkit.component.codec import codec_for
+from rtkit.component.defined import class_of
 from rtkit.component.definition import idl_of, name_of
 from rtkit.component.interface import Interface as Read
 from rtkit.idl.model import (
@@ -36,7 +37,6 @@ from rtkit.idl.model import (
 )
 from rtkit.idl.read import read_idl
 from rtkit.idl.source import InvalidIdl
-from rtkit.probe.defined import class_of
 
 PROJECT = "\n".join(linter({"law_idl.py": TYPE_RULES}))
 BASIC = ("short", "unsigned long", "long long", "float", "double", "char", "wchar", "boolean")

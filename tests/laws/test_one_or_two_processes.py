@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtkit.component.codec import codec_for, encoder_for
+from rtkit.component.defined import class_of
 from rtkit.component.definition import definition_of, idl_of, name_of
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.types import (
@@ -30,7 +31,6 @@ from rtkit.component.value_text import plain
 from rtkit.container.port_wiring import PortWiring
 from rtkit.errors import Malformed
 from rtkit.link.local.streams import LocalStreams
-from rtkit.probe.defined import class_of
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 Mode = Enum("Mode", "IDLE DRIVING")

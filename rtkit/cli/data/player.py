@@ -205,7 +205,7 @@ def _matched(
     Raises:
         Refused: A port has another data type than its channel, or there is nothing to play.
     """
-    from rtkit.probe.defined import is_same_definition
+    from rtkit.component.defined import is_same_definition
     from rtkit.rtc.data_types import is_same_type
 
     named = {channel.name: channel for channel in channels}

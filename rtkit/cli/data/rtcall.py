@@ -82,8 +82,8 @@ def _list(operations: list[ProvidedOperation], is_json: bool) -> int:
 
 
 def _call(app: App, called: ProvidedOperation, values: tuple[Any, ...], is_json: bool) -> int:
+    from rtkit.component.defined_interface import RaisedByProvider
     from rtkit.component.value_text import plain
-    from rtkit.probe.defined_interface import RaisedByProvider
 
     raised: RaisedByProvider | None = None
     results: Mapping[str, Any] = {}

@@ -12,8 +12,8 @@ import pytest
 from fake_manager import FakeManager
 
 from rtkit.component.codec import codec_for
+from rtkit.component.defined import class_of
 from rtkit.component.literal import Literal
-from rtkit.probe.defined import class_of
 from rtkit.recording.entries import RecordedStream, RecordedValue
 from rtkit.recording.mcap_file import RecordingWriter
 from rtkit.rtc.enums import PortType

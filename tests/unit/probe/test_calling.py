@@ -11,13 +11,13 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rtkit.component import ServicePort, raises, returns
+from rtkit.component.defined_interface import RaisedByProvider, interface_of
 from rtkit.component.geometry import Point2D
 from rtkit.component.interface import Interface
 from rtkit.component.interface_definition import definition_of
 from rtkit.component.types import Long, Octet, ULong, WString
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.probe.calling import ProvidedOperation, chosen
-from rtkit.probe.defined_interface import RaisedByProvider, interface_of
 from rtkit.rtc.names import parse_path
 from rtkit.rtc.profiles import PortRef, operations_in
 from rtkit.tree.wiring import ResolvedPort

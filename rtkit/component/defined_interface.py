@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any, NamedTuple
 
+from rtkit.component.defined import DefinedTypes
 from rtkit.component.interface import Interface, raises
 from rtkit.errors import NotFound, Refused
 from rtkit.idl.model import Definitions, Direction, Operation, StructDeclaration
 from rtkit.idl.read import read_idl
-from rtkit.probe.defined import _Maker
 from rtkit.rtc.profiles import operations_in
 
 
@@ -56,7 +56,7 @@ def interface_of(name: str, definition: str) -> DefinedInterface:
     declared = definitions.interface(name)
     if declared is None or not declared.operations:
         raise NotFound(f"no operations of {name} are known")
-    maker = _Maker(definitions)
+    maker = DefinedTypes(definitions)
     methods = {each.name: _method(each, definitions, maker) for each in declared.operations}
     interface = Interface(type(declared.path[-1], (), methods), name)
     own = re.search(rf"interface _?{declared.path[-1]} {{\n(?s:.*?)\n  }};", definition)
@@ -68,7 +68,7 @@ def interface_of(name: str, definition: str) -> DefinedInterface:
     return DefinedInterface(interface, operations)
 
 
-def _method(operation: Operation, definitions: Definitions, maker: _Maker) -> Any:
+def _method(operation: Operation, definitions: Definitions, maker: DefinedTypes) -> Any:
     """Return a function that does nothing, of the signature of an operation."""
 
     def method() -> None:
@@ -85,7 +85,7 @@ def _method(operation: Operation, definitions: Definitions, maker: _Maker) -> An
     return raises(*declared)(method)
 
 
-def _exception(declared: Any, maker: _Maker) -> type[Exception]:
+def _exception(declared: Any, maker: DefinedTypes) -> type[Exception]:
     assert isinstance(declared, StructDeclaration)
 
     def begin(self: Any, **members: Any) -> None:

@@ -77,10 +77,10 @@ def class_in(definitions: Definitions, name: str) -> Any:
     Raises:
         Malformed: There is no such type, or one of no fixed form.
     """
-    return _Maker(definitions).of(tuple(scoped_name(name).split("::")))
+    return DefinedTypes(definitions).of(tuple(scoped_name(name).split("::")))
 
 
-class _Maker:
+class DefinedTypes:
     """Makes classes of the declarations of one text."""
 
     def __init__(self, definitions: Definitions) -> None:

@@ -1,0 +1,66 @@
+"""The names of CORBA that components use beside OpenRTM's own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rtkit.openrtm import exceptions
+from rtkit.openrtm.absent import absent
+
+
+def is_nil(reference: Any) -> bool:
+    """Return whether a reference refers to nothing."""
+    return reference is None
+
+
+def corba_name(name: str) -> Any:
+    """Return a name of the module ``CORBA``."""
+    if name in exceptions.SYSTEM_EXCEPTIONS:
+        return exceptions.SYSTEM_EXCEPTIONS[name]
+    if name in exceptions.COMPLETED:
+        return exceptions.COMPLETED[name]
+    if name in ("TRUE", "FALSE"):
+        return int(name == "TRUE")
+    known = {
+        "Exception": exceptions.CorbaException,
+        "SystemException": exceptions.SystemException,
+        "UserException": exceptions.UserException,
+        "is_nil": is_nil,
+    }
+    return known.get(name) or absent(f"CORBA.{name}")
+
+
+def omniorb_name(name: str) -> Any:
+    """Return a name of the module ``omniORB``."""
+    from rtkit.openrtm import enumerations, twins
+
+    known = {"EnumItem": enumerations.EnumItem, "StructBase": twins.StructBase}
+    return known.get(name) or absent(f"omniORB.{name}")
+
+
+def portable_server_name(name: str) -> Any:
+    """Return a name of the module ``PortableServer``."""
+    if name == "Servant":
+        from rtkit.openrtm.services import Servant
+
+        return Servant
+    return absent(f"PortableServer.{name}")
+
+
+def sdo_name(name: str) -> Any:
+    """Return a name of the module ``SDOPackage``."""
+    if name == "NameValue":
+        from rtkit.openrtm.records import NameValue
+
+        return NameValue
+    return absent(f"SDOPackage.{name}")
+
+
+def openrtm_name(name: str) -> Any:
+    """Return a name of the module ``OpenRTM``."""
+    return absent(f"OpenRTM.{name}")
+
+
+def naming_name(name: str) -> Any:
+    """Return a name of the module ``CosNaming``."""
+    return absent(f"CosNaming.{name}")

@@ -1,0 +1,166 @@
+"""Makes what Python code sees of IDL declarations: structures, enumerations, constants, interfaces.
+
+Structures are the mutable twins of frozen data types that all folders of a process share.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from functools import cached_property
+from typing import Any
+
+from rtkit.builder.standard_types import KNOWN
+from rtkit.component.defined import DefinedTypes
+from rtkit.component.definition import idl_of
+from rtkit.component.typenames import is_standard, shared, type_by_name
+from rtkit.errors import InvalidDocument, Malformed
+from rtkit.idl.model import (
+    Constant,
+    Declaration,
+    Definitions,
+    EnumDeclaration,
+    EnumValue,
+    InterfaceDeclaration,
+    Named,
+    Path,
+    StructDeclaration,
+    Typedef,
+)
+from rtkit.idl.read import read_idl
+from rtkit.openrtm.services import exception_class, interface_class, servant_class
+from rtkit.openrtm.twins import twin_of
+
+
+class Declarations:
+    """The declarations of several IDL files as omniORB's modules have them."""
+
+    def __init__(self, files: Iterable[str], read: Any) -> None:
+        self._files = list(files)
+        self._read = read
+        self._made: dict[tuple[str, Path], Any] = {}
+
+    def names(self, scope: Path) -> list[str]:
+        """Return the names that a scope has; an enumeration's members stand beside it."""
+        found = []
+        for path, declared in self._definitions.by_path.items():
+            if path[:-1] == scope:
+                found.append(path[-1])
+                if isinstance(declared, EnumDeclaration):
+                    found += declared.members
+        inner = {
+            path[len(scope)]
+            for path in self._definitions.by_path
+            if len(path) > len(scope) + 1 and path[: len(scope)] == scope
+        }
+        return list(dict.fromkeys([*found, *inner]))
+
+    def value(self, path: Path) -> Any:
+        """Return what a name of a module stands for.
+
+        Raises:
+            KeyError: Nothing declares it.
+        """
+        return self._once("value", path)
+
+    def servant(self, path: Path) -> Any:
+        """Return the base class of the servants of an interface.
+
+        Raises:
+            KeyError: No interface is called so.
+        """
+        return self._once("servant", path)
+
+    def _once(self, kind: str, path: Path) -> Any:
+        if (kind, path) not in self._made:
+            make = self._servant if kind == "servant" else self._value
+            self._made[kind, path] = make(path)
+        return self._made[kind, path]
+
+    def _servant(self, path: Path) -> Any:
+        declared = self._definitions.by_path.get(path)
+        if not isinstance(declared, InterfaceDeclaration):
+            return self._scope(path, is_servants=True)
+        bases = tuple(self.servant(each) for each in declared.bases)
+        return servant_class(declared, bases, self._definitions, self._types)
+
+    def _value(self, path: Path) -> Any:
+        declared = self._definitions.by_path.get(path)
+        if declared is None or (path in KNOWN and is_standard("::".join(path))):
+            return self._standard(path)
+        if isinstance(declared, Constant):
+            held = declared.value
+            return self.value((*held.path[:-1], held.name)) if isinstance(held, EnumValue) else held
+        if isinstance(declared, Typedef):
+            return self.value(declared.type.path) if isinstance(declared.type, Named) else declared
+        if isinstance(declared, InterfaceDeclaration):
+            bases = tuple(self.value(each) for each in declared.bases)
+            made = interface_class(declared, bases, self._definitions, self._types)
+            for name in self.names(path):
+                setattr(made, name, self.value((*path, name)))
+            return made
+        if isinstance(declared, StructDeclaration) and declared.is_exception:
+            return exception_class(declared, self._definitions, self._types)
+        return twin_of(self._data_type(declared))
+
+    def _standard(self, path: Path) -> Any:
+        """Return a standard type, a member of an enumeration, or an inner module."""
+        if is_standard("::".join(path)):
+            cls = type_by_name("::".join(path))
+            assert cls is not None
+            return twin_of(cls)
+        for declared in self._definitions.by_path.values():
+            if (
+                isinstance(declared, EnumDeclaration)
+                and declared.path[:-1] == path[:-1]
+                and path[-1] in declared.members
+            ):
+                items = self.value(declared.path)._items  # noqa: SLF001
+                return items[declared.members.index(path[-1])]
+        return self._scope(path, is_servants=False)
+
+    def _scope(self, path: Path, *, is_servants: bool) -> Any:
+        from rtkit.openrtm.lazy_module import LazyModule
+
+        if not any(each[: len(path)] == path for each in self._definitions.by_path):
+            raise KeyError(path[-1])
+        find = self.servant if is_servants else self.value
+        return LazyModule(".".join(path), lambda n: find((*path, n)), lambda: self.names(path))
+
+    def _data_type(self, declared: Declaration) -> type:
+        """Return the frozen class of a declaration: one for all files that declare it alike."""
+        made = self._types.of(declared.path)
+        if not isinstance(made, type):
+            raise Malformed(f"{declared.name} is no structure")
+        return shared(declared.name, idl_of(made))(made)
+
+    @cached_property
+    def _types(self) -> DefinedTypes:
+        return DefinedTypes(self._definitions)
+
+    @cached_property
+    def _definitions(self) -> Definitions:
+        """All declarations; those of a file that cannot be read are missed where they are used."""
+        merged: dict[Path, Declaration] = {}
+        missing: list[str] = []
+        self._failures: list[str] = []
+        for file in self._files:
+            try:
+                text = self._read(file).decode("utf-8", "replace")
+                read = read_idl(text, file, self._included, KNOWN)
+            except InvalidDocument as error:
+                self._failures.append(str(error))
+                continue
+            for path, declared in read.by_path.items():
+                merged.setdefault(path, declared)
+            missing += read.missing
+        return Definitions(merged, tuple(missing))
+
+    def _included(self, name: str, including: str) -> tuple[str, str] | None:
+        base = os.path.basename(name)
+        own = os.path.join(os.path.dirname(including), name)
+        places = [own, *(each for each in self._files if os.path.basename(each) == base)]
+        for place in places:
+            if os.path.isfile(place):
+                return place, self._read(place).decode("utf-8", "replace")
+        return None

@@ -1,0 +1,128 @@
+"""Modules for the IDL files beside components: ``X_idl``, ``X`` and ``X__POA``.
+
+omniORB generates these as Python files; here they are made of the definitions themselves, which
+are read when the first name of them is used. Several files may open one module, and each folder
+has modules of its own.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterator
+from functools import cached_property
+from types import ModuleType
+from typing import Any
+
+from rtkit.component.standard import find as find_standard
+from rtkit.openrtm.lazy_module import LazyModule
+
+_STUB, _SERVANTS, _GLOBAL = "_idl", "__POA", "_GlobalIDL"
+_MODULE = re.compile(rb"^[ \t}]*module\s+(\w+)", re.MULTILINE)
+_OWN_FOLDER = "idl"
+Read = Callable[[str], bytes]
+
+
+class FolderDefinitions:
+    """The IDL files of a folder, of those in it, and of the one called ``idl`` beside it."""
+
+    def __init__(self, path: str, read: Read) -> None:
+        self._path = path
+        self._read = read
+
+    def module(self, name: str) -> ModuleType | None:
+        """Return the module that omniORB would have generated; None where no file declares it."""
+        if name in ("RTC", "RTC__POA"):
+            return self._standard(name)
+        if not self._files or "." in name:
+            return None
+        stem = name.removesuffix(_STUB)
+        if stem != name and f"{stem}.idl".lower() in self._by_name:
+            return LazyModule(name, self._missing)
+        scope = name.removesuffix(_SERVANTS)
+        if scope != _GLOBAL and scope not in self._scopes:
+            return None
+        return self._declared(name, () if scope == _GLOBAL else (scope,))
+
+    def _missing(self, name: str) -> Any:
+        raise KeyError(name)
+
+    def _declared(self, name: str, path: tuple[str, ...]) -> ModuleType:
+        is_servants = name.endswith(_SERVANTS)
+
+        def find(each: str) -> Any:
+            kind = self._declarations.servant if is_servants else self._declarations.value
+            return kind((*path, each))
+
+        return LazyModule(name, find, lambda: self._declarations.names(path))
+
+    def _standard(self, name: str) -> ModuleType:
+        """Return the module of the standard, with what files here add to it."""
+        from rtkit.openrtm.standard_types import rtc_names, rtc_value
+
+        declared = self._declared(name, ("RTC",))
+
+        def find(each: str) -> Any:
+            if not name.endswith(_SERVANTS):
+                try:
+                    return rtc_value(each)
+                except KeyError:
+                    pass
+            if "RTC" not in self._scopes:
+                raise KeyError(each)
+            return getattr(declared, each)
+
+        def listed() -> list[str]:
+            own = self._declarations.names(("RTC",)) if "RTC" in self._scopes else ()
+            return [*rtc_names(), *own]
+
+        return LazyModule(name, find, listed)
+
+    @cached_property
+    def _declarations(self) -> Any:
+        from rtkit.openrtm.declared import Declarations
+
+        return Declarations(self._files, self._read)
+
+    @cached_property
+    def _files(self) -> list[str]:
+        beside = os.path.join(os.path.dirname(self._path), _OWN_FOLDER)
+        folders = [self._path, *_inner(self._path), beside]
+        return [file for folder in dict.fromkeys(folders) for file in _idl_files(folder)]
+
+    @cached_property
+    def _by_name(self) -> set[str]:
+        return {os.path.basename(file).lower() for file in self._files}
+
+    @cached_property
+    def _scopes(self) -> set[str]:
+        """The modules that the files open, found without reading them as IDL."""
+        return {
+            name.decode()
+            for file in self._files
+            for name in _MODULE.findall(self._read(file))
+            if not (name == b"RTC" and _is_standard_only(self._read(file)))
+        }
+
+
+def _inner(folder: str) -> list[str]:
+    with os.scandir(folder) as entries:
+        return sorted(
+            each.path for each in entries if each.is_dir() and not each.name.startswith(".")
+        )
+
+
+def _idl_files(folder: str) -> Iterator[str]:
+    try:
+        names = sorted(os.listdir(folder))
+    except OSError:
+        return
+    yield from (os.path.join(folder, n) for n in names if n.lower().endswith(".idl"))
+
+
+_STRUCT_NAME = re.compile(rb"\b(?:struct|enum|interface|union|exception)\s+(\w+)")
+
+
+def _is_standard_only(text: bytes) -> bool:
+    """Return whether a file declares nothing but what every process knows."""
+    return all(find_standard("RTC", name.decode()) for name in _STRUCT_NAME.findall(text))

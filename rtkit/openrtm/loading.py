@@ -1,0 +1,73 @@
+"""Runs a module written for OpenRTM-aist for the loader, and finds its init function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import FunctionType, ModuleType
+from typing import Any
+
+from rtkit.openrtm.folder import ComponentFolder, folder_of
+from rtkit.openrtm.manager import ModuleManager, Registrar
+from rtkit.openrtm.source import Compile
+
+_CREATES_TOO = "MyModuleInit"
+"""Name of the function that RTC Builder writes for a module that is run as a script."""
+
+
+class OpenRtmModule:
+    """Facts that the loader needs of a module that was written for OpenRTM-aist."""
+
+    def __init__(self, module: ModuleType, folder: ComponentFolder) -> None:
+        self._module = module
+        self._folder = folder
+
+    @property
+    def files(self) -> Mapping[str, int]:
+        """CRC-32 of each file beside it that it, or a sibling, has read, by path."""
+        return self._folder.files
+
+    def init_function(self, name: str, *, is_usual: bool) -> Callable[[Any], object] | None:
+        """Return the function that registers its components.
+
+        Where none has the usual name, it is the only one of one argument that registers anything,
+        else the one that RTC Builder calls `MyModuleInit`.
+        """
+        found: Any = getattr(self._module, name, None)
+        if callable(found) or not is_usual:
+            usual: Callable[[Any], object] | None = found if callable(found) else None
+            return usual
+        registering = [each for each in self._functions() if _registers(each)]
+        alone = [each for each in registering if each.__name__ != _CREATES_TOO]
+        mine: Any = getattr(self._module, _CREATES_TOO, None)
+        if len(alone) == 1 or not callable(mine):
+            return next(iter([*alone, *registering]), None)
+        function: Callable[[Any], object] = mine
+        return function
+
+    def _functions(self) -> list[FunctionType]:
+        return [
+            each
+            for each in vars(self._module).values()
+            if isinstance(each, FunctionType)
+            and each.__code__.co_argcount == 1
+            and each.__globals__ is vars(self._module)
+        ]
+
+    def manager(self, registrar: Registrar) -> ModuleManager:
+        """Return the manager that its init function gets."""
+        return ModuleManager(registrar)
+
+
+def _registers(function: FunctionType) -> bool:
+    return "registerFactory" in function.__code__.co_names
+
+
+def run_module(module: ModuleType, text: bytes, compile_source: Compile) -> OpenRtmModule:
+    """Run a module with the names of OpenRTM.
+
+    Raises:
+        BaseException: Whatever it raises.
+    """
+    folder = folder_of(str(module.__file__), compile_source)
+    folder.run(module, text)
+    return OpenRtmModule(module, folder)

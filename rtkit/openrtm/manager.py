@@ -1,0 +1,132 @@
+"""The manager as modules of OpenRTM-aist see it: registers what they offer.
+
+While a module is loaded nothing is created: that is for whoever asked for the module.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, ClassVar, Protocol
+
+from rtkit.openrtm.absent import refuse
+from rtkit.openrtm.adapter import HeldComponent, held_class
+from rtkit.openrtm.logger import Logger
+from rtkit.openrtm.properties import Properties
+
+
+class Registrar(Protocol):
+    """The part of a manager of rtkit that init functions use."""
+
+    def register_factory(self, component: type[HeldComponent]) -> object:
+        """Make a component type available."""
+
+
+def Delete(component: Any) -> None:
+    """Do nothing: rtkit deletes components itself."""
+
+
+class ObjectAdapter:
+    """The object adapter of CORBA: a servant is its own reference within a process."""
+
+    def servant_to_reference(self, servant: Any) -> Any:
+        """Return a servant as it is."""
+        return servant
+
+    def reference_to_servant(self, reference: Any) -> Any:
+        """Return a reference as it is."""
+        return reference
+
+    def servant_to_id(self, servant: Any) -> int:
+        """Return a number of a servant."""
+        return id(servant)
+
+    def deactivate_object(self, id: Any) -> None:
+        """Do nothing."""
+
+    def _get_the_POAManager(self) -> ObjectAdapter:
+        return self
+
+    def activate(self) -> None:
+        """Do nothing."""
+
+
+class _Nothing:
+    """Stands for a component that an init function would create: takes every call."""
+
+    def __getattr__(self, name: str) -> Any:
+        return self
+
+    def __call__(self, *_: Any, **__: Any) -> Any:
+        return self
+
+    def __getitem__(self, _: Any) -> Any:
+        return self
+
+    def __iter__(self) -> Any:
+        return iter(())
+
+
+class ModuleManager:
+    """The manager that an init function gets, and ``Manager.instance()`` of its module."""
+
+    def __init__(self, registrar: Registrar | None = None) -> None:
+        self._registrar = registrar
+        self._config = Properties()
+
+    def registerFactory(self, profile: Properties, new_func: Any, delete_func: Any = None) -> bool:
+        """Offer a component class for creation."""
+        if self._registrar is None:
+            raise refuse("Manager.registerFactory after the module was loaded")
+        self._registrar.register_factory(held_class(new_func, profile.texts(), manager()))
+        return True
+
+    def createComponent(self, comp_args: str) -> Any:
+        """Create nothing while a module is loaded."""
+        if self._registrar is None:
+            raise refuse(f"Manager.createComponent({comp_args!r}) from within a component")
+        return _Nothing()
+
+    def getLogbuf(self, name: str = "manager") -> Logger:
+        """Return a logger."""
+        return Logger(name)
+
+    def getConfig(self) -> Properties:
+        """Return its properties, of which a component sees none."""
+        return self._config
+
+    def getPOA(self) -> ObjectAdapter:
+        """Return the object adapter."""
+        return ObjectAdapter()
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        raise refuse(f"Manager.{name}")
+
+
+_manager = ModuleManager()
+
+
+def manager() -> ModuleManager:
+    """Return the manager that components of this process have."""
+    return _manager
+
+
+class Manager:
+    """``OpenRTM_aist.Manager``."""
+
+    _begin: ClassVar[Callable[[list[str]], Any] | None] = None
+    """Starts a manager for a module that is run as a script; set by what runs it."""
+
+    @classmethod
+    def instance(cls) -> Any:
+        """Return the manager of this process."""
+        return _manager
+
+    @classmethod
+    def init(cls, *arguments: Any) -> Any:
+        """Start, or join, a manager for a module that is run as a script."""
+        argv = next((list(each) for each in arguments if isinstance(each, (list, tuple))), [])
+        if cls._begin is None:
+            raise refuse("Manager.init in a module that a manager loads")
+        return cls._begin(argv)

@@ -1,0 +1,100 @@
+"""Modules that every component written for OpenRTM-aist may import, and where their names are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from importlib import import_module
+from types import ModuleType
+from typing import Any
+
+from rtkit.openrtm.absent import absent
+from rtkit.openrtm.lazy_module import LazyModule
+
+_ROOM = "rtkit.openrtm"
+_HOME = {
+    "clock": "Time TimeValue setTimestamp",
+    "logger": "Logger",
+    "manager": "Delete Manager",
+    "parameters": "ConfigAdmin",
+    "ports": "InPort OutPort PortBase",
+    "properties": "Properties",
+    "ring_buffer": "BufferStatus RingBuffer",
+    "rtobject": "DataFlowComponentBase RTObject_impl",
+    "string_util": """
+        eraseBlank eraseBothEndsBlank eraseHeadBlank eraseTailBlank escape flatten includes
+        isAbsolutePath isEscaped isURL normalize otos parseArgs replaceEnv replaceString split
+        stringTo stringToStrVec toArgv toBool unescape unique_sv urlparam2map
+    """,
+    "twins": "instantiateDataType",
+    "helpers": "DataPortStatus PortType ScopedLock toTypename",
+}
+_MODULE_OF = {name: module for module, names in _HOME.items() for name in names.split()}
+_SUBMODULES = {
+    "CORBA_SeqUtil": "sequence_util",
+    "NVUtil": "name_values",
+    "StringUtil": "string_util",
+}
+_RENAMED = {"instantiateDataType": "default_of"}
+_OF_OMNIORB = ("CORBA", "PortableServer")
+
+
+@cache
+def shared_module(name: str) -> ModuleType | None:
+    """Return a module of that name that is the same for all components; None for others."""
+    if name == "OpenRTM_aist":
+        return LazyModule(name, _openrtm_name, lambda: [*_MODULE_OF, *_SUBMODULES])
+    outer, _, last = name.partition(".")
+    if outer == "OpenRTM_aist":
+        return _submodule(last)
+    if name == "omniORB":
+        return LazyModule(name, _omniorb_name)
+    finder = _finders().get(name)
+    return LazyModule(name, finder) if finder is not None else None
+
+
+def _omniorb_name(name: str) -> Any:
+    from rtkit.openrtm.corba import omniorb_name
+
+    return shared_module(name) if name in _OF_OMNIORB else omniorb_name(name)
+
+
+def _openrtm_name(name: str) -> Any:
+    if name in _SUBMODULES:
+        return _submodule(name)
+    if name == "RTC":
+        from rtkit.openrtm.standard_types import rtc_names, rtc_value
+
+        return LazyModule("RTC", rtc_value, rtc_names)
+    home = _MODULE_OF.get(name)
+    if home is None:
+        if name.startswith("_"):
+            raise KeyError(name)
+        return absent(f"OpenRTM_aist.{name}")
+    return getattr(import_module(f"{_ROOM}.{home}"), _RENAMED.get(name, name))
+
+
+@cache
+def _submodule(name: str) -> ModuleType:
+    """Return ``OpenRTM_aist.NAME``: one with functions, or that of the class of its name."""
+    home = _SUBMODULES.get(name)
+    if home is None:
+        return LazyModule(f"OpenRTM_aist.{name}", _openrtm_name)
+    module = import_module(f"{_ROOM}.{home}")
+    return LazyModule(f"OpenRTM_aist.{name}", lambda each: vars(module)[each], lambda: vars(module))
+
+
+def _finders() -> dict[str, Callable[[str], Any]]:
+    from rtkit.openrtm import corba
+
+    return {
+        "omniORB.CORBA": corba.corba_name,
+        "omniORB.PortableServer": corba.portable_server_name,
+        "CORBA": corba.corba_name,
+        "PortableServer": corba.portable_server_name,
+        "SDOPackage": corba.sdo_name,
+        "OpenRTM": corba.openrtm_name,
+        "OpenRTM__POA": corba.openrtm_name,
+        "SDOPackage__POA": corba.sdo_name,
+        "CosNaming": corba.naming_name,
+    }

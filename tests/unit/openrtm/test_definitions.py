@@ -1,0 +1,74 @@
+"""Modules for the IDL files beside components."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from openrtm_files import made, write_component
+
+from rtkit.component.definition import definition_of
+from rtkit.component.port import DataPort
+
+IDL = """
+#include <BasicDataType.idl>
+module Robot {
+  enum Mode { IDLE, BUSY };
+  const long MOST = 7;
+  typedef sequence<double> Numbers;
+  struct Arm { RTC::Time tm; Numbers joints; Mode mode; double pose[2]; };
+  exception Lost { string why; };
+  interface Base { long ask(in string what) raises (Lost); };
+  interface Hand : Base { enum Grip { SOFT, HARD }; void hold(in Grip grip); };
+};
+module RTC { struct Extra { RTC::Time tm; short data; }; };
+"""
+BODY = """
+def __init__(self, manager):
+    OpenRTM_aist.DataFlowComponentBase.__init__(self, manager)
+    self.d = OpenRTM_aist.instantiateDataType(Robot.Arm)
+    self.out = OpenRTM_aist.OutPort("out", self.d)
+    self.extra = OpenRTM_aist.OutPort("extra", RTC.Extra(RTC.Time(0, 0), 1))
+
+def onInitialize(self):
+    self.addOutPort("out", self.out)
+    self.addOutPort("extra", self.extra)
+    self.found = (Robot.MOST, str(Robot.BUSY), Robot.Mode, Robot.Hand.HARD, Robot.Numbers)
+    try:
+        raise Robot.Lost("gone")
+    except Robot.Lost as error:
+        self.why = error.why
+    self.servant = type("Mine", (Robot__POA.Hand,), {})()
+    return RTC.RTC_OK
+"""
+BEFORE = "import Robot_idl\nimport Robot, Robot__POA\n"
+
+
+def test_an_idl_file_counts_before_what_was_generated_of_it(tmp_path: Path) -> None:
+    folder = tmp_path / "idl"
+    folder.mkdir()
+    (folder / "Robot.idl").write_text(IDL, encoding="utf-8")
+    (tmp_path / "Robot_idl.py").write_text("import omniORB, _omnipy\n", encoding="utf-8")
+    component = made(write_component(tmp_path, "One", BODY, before=BEFORE))
+    servant = component.servant
+    assert servant.found[:2] == (7, "BUSY")
+    assert servant.why == "gone"
+    assert isinstance(servant.servant, servant.servant.__class__.__mro__[2])
+    assert (servant.d.joints, str(servant.d.mode), servant.d.pose) == ([], "IDLE", [0.0, 0.0])
+    out, extra = component.ports["out"], component.ports["extra"]
+    assert isinstance(out, DataPort)
+    assert isinstance(extra, DataPort)
+    assert out.properties["dataport.data_type"] == "IDL:Robot/Arm:1.0"
+    assert "double pose[2]" in definition_of(out.data_type)
+    assert extra.properties["dataport.data_type"] == "IDL:RTC/Extra:1.0"
+
+
+def test_folders_share_the_types_that_they_declare_alike(tmp_path: Path) -> None:
+    types = []
+    for name in ("a", "b"):
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "Robot.idl").write_text(IDL, encoding="utf-8")
+        port = made(write_component(folder, "One", BODY, before=BEFORE)).ports["out"]
+        assert isinstance(port, DataPort)
+        types.append(port.data_type)
+    assert types[0] is types[1]
