@@ -14,7 +14,7 @@ import zenoh
 from bench.harness import Lines, Row
 from bench.pairs import Measured, alone, paired
 from bench.placement import Placed, kept_on, placements
-from bench.properties import key, query, server, session
+from bench.properties import key, query, server, session, to_service
 from bench.property_ends import FAN
 from rtkit.link import places
 from rtkit.wires.line.client import connect_unix
@@ -49,7 +49,7 @@ def _lines_at(place: Placed) -> Lines:
 def _over_zenoh() -> Lines:
     lost: list[int] = []
     with server(), ExitStack() as stack:
-        ours = stack.enter_context(session(places.service_key_socket("bench")))
+        ours = stack.enter_context(to_service())
         bare = stack.enter_context(session(f"{places.runtime_dir()}/bare.zps"))
         client = ZenohClient(ours, key(), 10.0)
         ages: SimpleQueue[int] = SimpleQueue()

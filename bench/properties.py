@@ -16,7 +16,7 @@ from bench.harness import Lines, Row, folders, servers, timed
 from bench.pairs import Measure, alone, paired
 from bench.placement import kept_on, placements
 from rtkit.link import places, zenoh_keys
-from rtkit.link.zenoh import open_client, unix_endpoint
+from rtkit.link.zenoh import open_client, open_to_service, unix_endpoint
 from rtkit.wires.line.client import LineClient, connect_unix
 from tests.support.zenoh_client import ZenohClient
 
@@ -29,7 +29,7 @@ _BARE_LINES_IS = "a loop that sends each line back, in another process, each pin
 
 
 def _zenoh() -> Lines:
-    with server() as _, session(places.service_key_socket("bench")) as ours:
+    with server() as _, to_service() as ours:
         client = ZenohClient(ours, key(), 10.0)
         with session(f"{places.runtime_dir()}/bare.zps") as bare:
             for what, payload, floor in (("GET", None, None), ("SET", "2.5", "2.5")):
@@ -83,7 +83,7 @@ def _lines_at(where: str, client: LineClient, of_object: LineClient, bare: socke
 def _bulk() -> Lines:
     names = "%20".join(f"p{index}" for index in range(_MANY))
     target = f"properties?values&names=({names})"
-    with server(), session(places.service_key_socket("bench")) as ours:
+    with server(), to_service() as ours:
         client = ZenohClient(ours, key(), 10.0)
         length = len(client.ask(target).value())
         with session(f"{places.runtime_dir()}/bare.zps") as bare:
@@ -184,6 +184,16 @@ def _echo(end: socket.socket, line: bytes) -> None:
 
 
 @contextmanager
+def to_service() -> Iterator[zenoh.Session]:
+    """Open a session to the service, as clients of it do."""
+    session = open_to_service("bench", 10.0)
+    try:
+        yield session
+    finally:
+        session.close()  # type: ignore[no-untyped-call]
+
+
+@contextmanager
 def session(path: str) -> Iterator[zenoh.Session]:
     session = open_client(unix_endpoint(path), 10.0)
     try:
@@ -202,7 +212,7 @@ def by_line() -> Iterator[Measure]:
 @contextmanager
 def by_zenoh() -> Iterator[Measure]:
     """Yield what measures a GET over zenoh likewise."""
-    with _ours(), session(places.service_key_socket("bench")) as ours:
+    with _ours(), to_service() as ours:
         client = ZenohClient(ours, key(), 10.0)
         yield lambda: _each_us(lambda: client.ask("p7"))
 

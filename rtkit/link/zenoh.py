@@ -93,6 +93,21 @@ def open_client(
     return opened
 
 
+def open_to_service(service: str, timeout_s: float) -> zenoh.Session:
+    """Open a client session to a property service of this host.
+
+    One that had no zenoh until now (decision 92) hangs up when it has it, and is tried once more.
+
+    Raises:
+        Unreachable: There is none, or it does not answer.
+    """
+    endpoint = unix_endpoint(places.service_key_socket(service))
+    try:
+        return open_client(endpoint, timeout_s)
+    except Unreachable:
+        return open_client(endpoint, timeout_s)
+
+
 def _in_background(work: Callable[[], zenoh.Session]) -> zenoh.Session | zenoh.ZError:
     # zenoh.open is not interrupted by Ctrl-C before it is done, a wait for a thread is.
     outcome: list[zenoh.Session | zenoh.ZError] = []

@@ -18,6 +18,7 @@ from rtkit.serving.refusals import Refusals
 from rtkit.wires.line.endpoint import open_unix
 from rtkit.wires.table import WIRES, wire_of
 from rtkit.wires.wire import Wire, WireSettings, service_name
+from rtkit.wires.zenoh.on_demand import open_when_needed
 
 
 class ValuePublisher:
@@ -147,7 +148,8 @@ def serve(
             (``SET P.listen SERVICE/NAME``); none may, unless told.
         hosts: Names of other hosts whose services may ask and set it, through the managers that
             link them; a manager's own host may ask those of hosts that it links, without this.
-        is_on_zenoh: Also answer zenoh queries, through the manager where one runs.
+        is_on_zenoh: Also answer zenoh queries, as soon as a manager runs here or somebody connects
+            to the zenoh socket of the service.
         is_insecure: Other hosts may reach endpoints without TLS, too, which ``rtls -l`` then shows.
         endpoints: Further endpoints to open, None for none. ``port=`` is a TCP port of the host, 0
             for any, to clients that know the user's secret; ``http=`` and ``ice=`` likewise;
@@ -177,9 +179,7 @@ def serve(
         settings = WireSettings(host, settable=tuple(settable), is_insecure=is_insecure)
         addresses = {wire.scheme: wire.open(value, service, settings) for wire, value in asked}
         if is_on_zenoh:
-            from rtkit.wires.zenoh.endpoint import open_zenoh
-
-            open_zenoh(host, service, _others(hosts))
+            open_when_needed(host, service, _others(hosts))
         add_standard(service.values, service.name, thing)
         if not isinstance(thing, Service):
             exported = Exported(service, thing, hide)

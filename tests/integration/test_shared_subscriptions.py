@@ -13,8 +13,8 @@ from property_endpoints import BOUND_S, Zenoh
 from zenoh_client import ZenohClient, ZenohSubscription
 
 from rtkit.errors import Unreachable
-from rtkit.link import places, zenoh_keys
-from rtkit.link.zenoh import open_client, unix_endpoint
+from rtkit.link import zenoh_keys
+from rtkit.link.zenoh import open_to_service
 from rtkit.property.service import Service
 from rtkit.wires.serve import ServedObject, serve
 
@@ -30,7 +30,7 @@ def served(place: str) -> Iterator[ServedObject]:
 
 
 def _session(stack: ExitStack) -> zenoh.Session:
-    session = open_client(unix_endpoint(places.service_key_socket("robot")), BOUND_S)
+    session = open_to_service("robot", BOUND_S)
     stack.callback(session.close)
     return session
 

@@ -20,8 +20,8 @@ from serialkit import Cable
 from zenoh_client import ZenohClient
 
 from rtkit.keys.reach import BEHIND_TLS
-from rtkit.link import places, zenoh_keys
-from rtkit.link.zenoh import open_client, unix_endpoint
+from rtkit.link import zenoh_keys
+from rtkit.link.zenoh import open_to_service
 from rtkit.property.access import read_policy
 from rtkit.property.messages import PropertyEvent
 from rtkit.property.service import Service
@@ -93,8 +93,7 @@ class Zenoh:
     """Queries on a session of its own."""
 
     def __init__(self, service: str = "robot") -> None:
-        path = places.service_key_socket(service)
-        self._session = open_client(unix_endpoint(path), BOUND_S)
+        self._session = open_to_service(service, BOUND_S)
         key = zenoh_keys.property_service(os.uname().nodename, service)
         self._client = ZenohClient(self._session, key, BOUND_S)
         self.ask = self._client.ask

@@ -225,10 +225,11 @@ class Connection(SocketClient):
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`."""
         due = self.send_due(now, self._has_room, self._send_event)
+        is_full = not self._has_room()  # and events wait, perhaps
         if self._requests.waits:
             self._work()
-        elif not self._send_out() or self._out or self._is_closing:
-            self._send()  # it did not take all
+        elif not self._send_out() or self._out or self._is_closing or is_full:
+            self._send()
         return due if self.is_open else None
 
     def _has_room(self) -> bool:

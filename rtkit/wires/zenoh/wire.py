@@ -15,19 +15,19 @@ if TYPE_CHECKING:
 
 def _provider(name: str, settings: WireSettings) -> ProviderAddress:
     from rtkit.link import places, zenoh_keys
-    from rtkit.link.zenoh import open_client, unix_endpoint
+    from rtkit.link.zenoh import open_to_service
     from rtkit.wires.zenoh.far_services import FarService
     from rtkit.wires.zenoh.provider_connection import ZenohConnection
 
     if name.startswith("/") and not is_local_host(name.split("/")[1], host_name()):
         return FarService.parse(name).provider(settings)
     service = service_name(name)
-    path = places.check_socket_length(places.service_key_socket(service))
+    places.check_socket_length(places.service_key_socket(service))
     key = zenoh_keys.property_service(host_name(), service)
 
     def connect() -> ZenohConnection:
         try:
-            session = open_client(unix_endpoint(path), settings.timeout_s)
+            session = open_to_service(service, settings.timeout_s)
         except Unreachable as error:
             raise Unreachable(f"cannot reach service {service} over zenoh") from error
         return ZenohConnection(settings.host, session, key)
@@ -38,13 +38,13 @@ def _provider(name: str, settings: WireSettings) -> ProviderAddress:
 def _open(name: str, provider: PropertyProvider, settings: WireSettings) -> str:
     """Give a provider a name in the tree, where commands and zenoh find it."""
     from rtkit.wires.line.endpoint import open_unix
-    from rtkit.wires.zenoh.endpoint import open_zenoh
+    from rtkit.wires.zenoh.on_demand import open_when_needed
 
     provider.name = service_name(name)
     if settings.host.services.get(provider.name) is not provider:  # as its owner is called, too
         settings.host.add(provider)
     open_unix(settings.host, provider.name)
-    open_zenoh(settings.host, provider)
+    open_when_needed(settings.host, provider)
     return f"/localhost/{provider.name}"
 
 
