@@ -12,7 +12,7 @@ from typing import Any
 
 from rtkit.component.definition import idl_of
 from rtkit.component.type_layout import layout_of, layout_of_hint, zero
-from rtkit.component.typenames import give_name, is_standard, type_by_name
+from rtkit.component.typenames import give_name, is_standard, shared, type_by_name
 from rtkit.component.types import BASIC_TYPES
 from rtkit.errors import Malformed, RtkitError
 from rtkit.fast_dataclass import make_dataclass
@@ -81,10 +81,16 @@ def class_in(definitions: Definitions, name: str) -> Any:
 
 
 class DefinedTypes:
-    """Makes classes of the declarations of one text."""
+    """Makes classes of the declarations of one text.
 
-    def __init__(self, definitions: Definitions) -> None:
+    Args:
+        definitions: The declarations.
+        are_shared: Whether a type that others in this process know, too, is their class.
+    """
+
+    def __init__(self, definitions: Definitions, *, are_shared: bool = False) -> None:
         self._definitions = definitions
+        self._are_shared = are_shared
         self._made: dict[Path, Any] = {}
         self._sizes: dict[Path, int] = {}
 
@@ -106,6 +112,8 @@ class DefinedTypes:
             kind = f" but a {declared.kind}" if isinstance(declared, Opaque) else ""
             raise Malformed(f"{name} is no structure{kind} in its definition")
         give_name(made, name)
+        if self._are_shared:
+            made = shared(name, idl_of(made))(made)
         self._made[path] = made
         return made
 

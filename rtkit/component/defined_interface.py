@@ -57,7 +57,7 @@ def interface_of(name: str, definition: str) -> DefinedInterface:
     if declared is None or not declared.operations:
         raise NotFound(f"no operations of {name} are known")
     maker = DefinedTypes(definitions)
-    methods = {each.name: _method(each, definitions, maker) for each in declared.operations}
+    methods = {each.name: method_of(each, definitions, maker) for each in declared.operations}
     interface = Interface(type(declared.path[-1], (), methods), name)
     own = re.search(rf"interface _?{declared.path[-1]} {{\n(?s:.*?)\n  }};", definition)
     texts = dict(operations_in(own[0] if own else ""))
@@ -68,7 +68,7 @@ def interface_of(name: str, definition: str) -> DefinedInterface:
     return DefinedInterface(interface, operations)
 
 
-def _method(operation: Operation, definitions: Definitions, maker: DefinedTypes) -> Any:
+def method_of(operation: Operation, definitions: Definitions, maker: DefinedTypes) -> Any:
     """Return a function that does nothing, of the signature of an operation."""
 
     def method() -> None:

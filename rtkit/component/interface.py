@@ -131,6 +131,11 @@ class InterfaceMethod:
         """The layouts of what each declared exception carries, by their names."""
         return {name: each.members for name, each in self._raises.items()}
 
+    @property
+    def exception_classes(self) -> dict[str, Any]:
+        """The classes of declared exceptions, by their names."""
+        return {name: each.cls for name, each in self._raises.items()}
+
     def encode_arguments(self, arguments: Sequence[Any], named: Mapping[str, Any]) -> bytes:
         """Return arguments as bytes.
 

@@ -101,6 +101,11 @@ class Direct:
         self._served = served
         self._passage = passage
 
+    @property
+    def implementation(self) -> object:
+        """The object that does it."""
+        return self._served.implementation
+
     def call(
         self,
         method: InterfaceMethod,

@@ -219,6 +219,12 @@ class ServicePort(Port):
                 return cast(S, use.interface.client(self, timeout_s))
         raise NotFound(f"service port {self.name} does not need {interface}")
 
+    def provider_of(self, interface: Callable[..., object]) -> CallTarget | None:
+        """Return what does a needed interface; None while nobody is connected that provides it."""
+        names = [use.interface.name for use in self._uses if use.interface.cls is interface]
+        found = self._find(names[0]) if names else None
+        return None if found is None else found.targets[names[0]]
+
     def call(
         self,
         method: InterfaceMethod,

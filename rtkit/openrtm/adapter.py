@@ -91,17 +91,18 @@ class HeldComponent(Component):
             Refused: One of that name exists.
         """
         self._add(port)
-        self._show_changes()
+        self.show_changes()
 
     def remove_port(self, port: Any) -> bool:
         """Remove a port without connectors; return whether it had been added."""
         if port.connectors or self.ports.get(port.name) is not port:
             return False
         self.ports = {name: each for name, each in self.ports.items() if each is not port}
-        self._show_changes()
+        self.show_changes()
         return True
 
-    def _show_changes(self) -> None:
+    def show_changes(self) -> None:
+        """Have everybody see its ports as they are now."""
         for context in self.participations:
             context.submit(context.notify)
 

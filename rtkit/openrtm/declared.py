@@ -12,8 +12,7 @@ from typing import Any
 
 from rtkit.builder.standard_types import KNOWN
 from rtkit.component.defined import DefinedTypes
-from rtkit.component.definition import idl_of
-from rtkit.component.typenames import is_standard, shared, type_by_name
+from rtkit.component.typenames import is_standard, type_by_name
 from rtkit.errors import InvalidDocument, Malformed
 from rtkit.idl.model import (
     Constant,
@@ -43,14 +42,14 @@ class Declarations:
     def names(self, scope: Path) -> list[str]:
         """Return the names that a scope has; an enumeration's members stand beside it."""
         found = []
-        for path, declared in self._definitions.by_path.items():
+        for path, declared in self.definitions.by_path.items():
             if path[:-1] == scope:
                 found.append(path[-1])
                 if isinstance(declared, EnumDeclaration):
                     found += declared.members
         inner = {
             path[len(scope)]
-            for path in self._definitions.by_path
+            for path in self.definitions.by_path
             if len(path) > len(scope) + 1 and path[: len(scope)] == scope
         }
         return list(dict.fromkeys([*found, *inner]))
@@ -78,14 +77,14 @@ class Declarations:
         return self._made[kind, path]
 
     def _servant(self, path: Path) -> Any:
-        declared = self._definitions.by_path.get(path)
+        declared = self.definitions.by_path.get(path)
         if not isinstance(declared, InterfaceDeclaration):
             return self._scope(path, is_servants=True)
         bases = tuple(self.servant(each) for each in declared.bases)
-        return servant_class(declared, bases, self._definitions, self._types)
+        return servant_class(declared, bases, self)
 
     def _value(self, path: Path) -> Any:
-        declared = self._definitions.by_path.get(path)
+        declared = self.definitions.by_path.get(path)
         if declared is None or (path in KNOWN and is_standard("::".join(path))):
             return self._standard(path)
         if isinstance(declared, Constant):
@@ -95,13 +94,16 @@ class Declarations:
             return self.value(declared.type.path) if isinstance(declared.type, Named) else declared
         if isinstance(declared, InterfaceDeclaration):
             bases = tuple(self.value(each) for each in declared.bases)
-            made = interface_class(declared, bases, self._definitions, self._types)
+            made = interface_class(declared, bases, self)
             for name in self.names(path):
                 setattr(made, name, self.value((*path, name)))
             return made
         if isinstance(declared, StructDeclaration) and declared.is_exception:
-            return exception_class(declared, self._definitions, self._types)
-        return twin_of(self._data_type(declared))
+            return exception_class(declared)
+        made = self.types.of(declared.path)
+        if not isinstance(made, type):
+            raise Malformed(f"{declared.name} is no structure")
+        return twin_of(made)
 
     def _standard(self, path: Path) -> Any:
         """Return a standard type, a member of an enumeration, or an inner module."""
@@ -109,7 +111,7 @@ class Declarations:
             cls = type_by_name("::".join(path))
             assert cls is not None
             return twin_of(cls)
-        for declared in self._definitions.by_path.values():
+        for declared in self.definitions.by_path.values():
             if (
                 isinstance(declared, EnumDeclaration)
                 and declared.path[:-1] == path[:-1]
@@ -122,24 +124,18 @@ class Declarations:
     def _scope(self, path: Path, *, is_servants: bool) -> Any:
         from rtkit.openrtm.lazy_module import LazyModule
 
-        if not any(each[: len(path)] == path for each in self._definitions.by_path):
+        if not any(each[: len(path)] == path for each in self.definitions.by_path):
             raise KeyError(path[-1])
         find = self.servant if is_servants else self.value
         return LazyModule(".".join(path), lambda n: find((*path, n)), lambda: self.names(path))
 
-    def _data_type(self, declared: Declaration) -> type:
-        """Return the frozen class of a declaration: one for all files that declare it alike."""
-        made = self._types.of(declared.path)
-        if not isinstance(made, type):
-            raise Malformed(f"{declared.name} is no structure")
-        return shared(declared.name, idl_of(made))(made)
+    @cached_property
+    def types(self) -> DefinedTypes:
+        """The classes of data types: one for all files that declare a type alike."""
+        return DefinedTypes(self.definitions, are_shared=True)
 
     @cached_property
-    def _types(self) -> DefinedTypes:
-        return DefinedTypes(self._definitions)
-
-    @cached_property
-    def _definitions(self) -> Definitions:
+    def definitions(self) -> Definitions:
         """All declarations; those of a file that cannot be read are missed where they are used."""
         merged: dict[Path, Declaration] = {}
         missing: list[str] = []

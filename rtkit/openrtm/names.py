@@ -20,6 +20,7 @@ _HOME = {
     "ports": "InPort OutPort PortBase",
     "properties": "Properties",
     "ring_buffer": "BufferStatus RingBuffer",
+    "service_ports": "CorbaConsumer CorbaPort",
     "rtobject": "DataFlowComponentBase RTObject_impl",
     "string_util": """
         eraseBlank eraseBothEndsBlank eraseHeadBlank eraseTailBlank escape flatten includes
