@@ -124,6 +124,35 @@ def test_composites_are_made_changed_and_dissolved(room: Room) -> None:
     assert "no composite" in room.refusal("dissolve", component=IN)
 
 
+def test_who_was_active_before_a_composite_is_active_when_it_is_undone(room: Room) -> None:
+    def words(*ids: str) -> Any:
+        return [room.stream.components.get(id, {}).get("word") for id in ids]
+
+    room.do("activate", component=IN)
+    room.until(lambda _: words(IN, OUT) == ["Active", "Inactive"])
+    undo = room.do("compose", process=MANAGER, name="Both", members=[IN, OUT])
+    room.until(lambda _: words(WHOLE, IN, OUT) == ["Inactive"] * 3)
+    again = room.client.do(*undo)["undo"]
+    room.until(lambda _: words(WHOLE, IN, OUT) == [None, "Active", "Inactive"])
+    assert [each["do"] for each in again] == ["compose"]
+
+    undo = room.client.do(*again)["undo"]
+    room.do("activate", component=WHOLE)
+    room.until(lambda _: words(WHOLE, IN, OUT) == ["Active"] * 3)
+    dissolved = room.do("dissolve", component=WHOLE)
+    room.until(lambda _: words(WHOLE, IN, OUT) == [None, "Inactive", "Inactive"])
+    room.client.do(*dissolved)
+    room.until(lambda _: words(WHOLE, IN, OUT) == ["Active"] * 3)
+
+    room.do("activate", component=CONFIG)
+    room.until(lambda _: words(CONFIG) == ["Active"])
+    room.do("deactivate", component=WHOLE)
+    added = room.do("add_member", component=WHOLE, member=CONFIG)
+    room.until(lambda _: words(WHOLE, CONFIG) == ["Inactive", "Inactive"])
+    room.client.do(*added)
+    room.until(lambda _: words(WHOLE, CONFIG) == ["Inactive", "Active"])
+
+
 def test_zombies_are_forgotten_at_once(room: Room) -> None:
     room.shell.ok(f"rtmgr -c 'ConsoleIn?instance_name=A&manager_name=s1' {MANAGER}")
     room.shell.ok(f"rtmgr -c 'ConsoleIn?instance_name=B&manager_name=s2' {MANAGER}")

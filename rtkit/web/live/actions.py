@@ -51,6 +51,7 @@ def steps_of(
     for each in actions:
         steps.append(_step(each, records, folders, value_of))
         records = configuration_steps.with_sets(each, records)
+        records = composite_steps.with_composite(each, records)
     return steps
 
 
@@ -115,9 +116,9 @@ def _change_state(action: Action, records: SystemRecords) -> CommandStep:
     if not inverse:
         return CommandStep(f"{word} {id}", line, None, "a reset has no inverse")
     context = component["contexts"][number]["id"]
-    return CommandStep(
-        f"{word} {id}", line, ({"do": inverse, "component": id, "context": context},)
-    )
+    again = {"do": inverse, "component": id, "context": context}
+    # What takes a restored state away again is the inverse of the step that restores the rest.
+    return CommandStep(f"{word} {id}", line, () if action.get("is_restored") else (again,))
 
 
 def _inject(action: Action, records: SystemRecords) -> CommandStep:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from rtkit.api.live_records import Record, SystemRecords
 from rtkit.errors import NotFound, Refused
+from rtkit.rtc.enums import LifeCycleState
 from rtkit.web.live.steps import (
     Action,
     CommandStep,
@@ -41,7 +42,7 @@ def compose(action: Action, records: SystemRecords) -> CommandStep:
     )
     undo = {"do": "dissolve", "process": process, "name": name}
     text = f"Make the composite {name} of {listed('component', members)}"
-    return CommandStep(text, line, (undo,))
+    return CommandStep(text, line, (undo, *_activations(members, records)))
 
 
 def dissolve(action: Action, records: SystemRecords) -> CommandStep:
@@ -50,6 +51,7 @@ def dissolve(action: Action, records: SystemRecords) -> CommandStep:
     id, contexts, members = whole["id"], whole["contexts"], whole["members"]
     again = {
         "do": "compose",
+        "component": id,
         "process": whole["process"],
         "name": whole["name"],
         "type": whole["type"],
@@ -58,7 +60,8 @@ def dissolve(action: Action, records: SystemRecords) -> CommandStep:
         "ports": _shown(whole, records),
     }
     rest = f"; what was in it lives on: {', '.join(members)}" if members else ""
-    return CommandStep(f"Dissolve the composite {id}{rest}", ("rtexit", "--", id), (again,))
+    undo = (again, *_activations([id], records))
+    return CommandStep(f"Dissolve the composite {id}{rest}", ("rtexit", "--", id), undo)
 
 
 def add_member(action: Action, records: SystemRecords) -> CommandStep:
@@ -70,7 +73,8 @@ def add_member(action: Action, records: SystemRecords) -> CommandStep:
     line = ("rtcomp", f"--add={_member(member, ports)}", "--", whole["id"])
     undo = {**action, "do": "remove_member", "ports": list_in(action, "ports") if is_member else []}
     what = f"Show {', '.join(ports)} at" if is_member else f"Take {member} into"
-    return CommandStep(f"{what} the composite {whole['id']}", line, (undo,))
+    before = [] if is_member else _activations([member], records)
+    return CommandStep(f"{what} the composite {whole['id']}", line, (undo, *before))
 
 
 def remove_member(action: Action, records: SystemRecords) -> CommandStep:
@@ -84,6 +88,25 @@ def remove_member(action: Action, records: SystemRecords) -> CommandStep:
     undo = {**action, "do": "add_member", "ports": names or shown}
     what = f"Hide {', '.join(ports)} at" if ports else f"Let {member} go from"
     return CommandStep(f"{what} the composite {whole['id']}", line, (undo,))
+
+
+def with_composite(action: Action, records: SystemRecords) -> SystemRecords:
+    """Return records as they will be after a composite is made again, for the steps that follow."""
+    id = action.get("component")
+    if action["do"] != "compose" or not isinstance(id, str) or id in records.components:
+        return records
+    made: Record = {"id": id, "contexts": [{"id": "0"}]}
+    return records._replace(components={**records.components, id: made})
+
+
+def _activations(ids: Sequence[str], records: SystemRecords) -> list[Action]:
+    """Return what gives components back their states: those that go in or out become inactive."""
+    return [
+        {"do": "activate", "component": id, "context": context["id"], "is_restored": True}
+        for id in ids
+        for context in records.components[id]["contexts"]
+        if context["owner"] == id and context["state"] == str(LifeCycleState.ACTIVE)
+    ]
 
 
 def _change(action: Action, records: SystemRecords) -> tuple[Record, str, list[str]]:
