@@ -11,6 +11,7 @@ RtkitError                         error           1       1
 ├─ UsageProblem                    usage           2       2
 ├─ Malformed (ValueError)          malformed       1       2
 ├─ Refused                         refused         1       1
+│  └─ Denied                       denied          1       1
 ├─ InvalidDocument                 invalid         1       3
 ├─ NotFound (LookupError)          not-found       1       4
 ├─ Unreachable (OSError)           unreachable     1       5
@@ -56,6 +57,12 @@ class Refused(RtkitError):
 
     kind = "refused"
     detail = 1
+
+
+class Denied(Refused):
+    """The user has no right to that."""
+
+    kind = "denied"
 
 
 class InvalidDocument(RtkitError):
@@ -114,6 +121,7 @@ _BY_KIND: dict[str, type[RtkitError]] = {
         UsageProblem,
         Malformed,
         Refused,
+        Denied,
         InvalidDocument,
         NotFound,
         Unreachable,

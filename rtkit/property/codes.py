@@ -45,6 +45,7 @@ _OF_KIND = {
     "not-found": "unknown",
     "unreachable": "no-service",
     "refused": "conflict",
+    "denied": "denied",
     "partial": "conflict",
 }
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 
 from rtkit.closing import Closing
 from rtkit.deployment.plan_lock import LockHolder, holder_from_text
-from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.errors import Denied, Malformed, NotFound, Refused, RtkitError
 from rtkit.link import stopping
 from rtkit.link.places import host_name
 from rtkit.link.port_holders import user_name
@@ -75,10 +75,11 @@ class PlanLocks(Closing):
             try:
                 tree.plan_lock({"take": {**encode(self._holder), "since": since}})
                 self._taken.append(tree)
+            except Denied:  # by the role of this user, not by a holder
+                self._give(self._taken[known:])
+                raise
             except Refused as error:
                 self._give(self._taken[known:])
-                if str(error).startswith("denied: "):  # by the role of this user, not by a holder
-                    raise
                 return tree, f"manager {tree.manager!r} is in use by {error}"
             except (NotFound, Malformed) as error:
                 self._notify(f"manager {tree.manager!r} keeps no others off meanwhile: {error}")

@@ -249,8 +249,8 @@ def printed_error(typed: str, error: Exception) -> PropertyError:
     """Return an error as commands show it: ``TARGET: code: text``."""
     from rtkit.wires.property_client import failure
 
-    code = failure(error).error
-    return PropertyError(code, f"{typed}: {code}: {error}")
+    answer = failure(error)
+    return PropertyError(answer.error, f"{typed}: {answer.error}: {answer.payload!s}")
 
 
 def asked(ask: Callable[[], Answer], place: PropertyTarget, end: PropertyClient) -> Payload:

@@ -15,7 +15,7 @@ from time import monotonic
 from urllib.parse import quote
 
 from rtkit.closing import Closing
-from rtkit.errors import Malformed, NotFound, Refused, Unreachable
+from rtkit.errors import Denied, Malformed, NotFound, Refused, Unreachable
 from rtkit.link import zenoh_keys
 from rtkit.link.deadline import with_deadline
 from rtkit.link.transport import Link
@@ -31,7 +31,10 @@ IDENTITY = "~identity"
 _TAP = "@x/tap/"
 _GRACE_S, _LISTEN_S = 0.5, 10.0
 _QUEUE = "queue=256&mode=all"
-_KINDS = {"timeout": "unreachable", "no-service": "unreachable", "busy": "unreachable"}
+_KINDS = {
+    "denied": Denied.kind,
+    **dict.fromkeys(("timeout", "no-service", "busy"), Unreachable.kind),
+}
 _OWN_KINDS = ("malformed", "refused", "invalid", "not-found", "unreachable", "impossible", "limit")
 
 
@@ -141,7 +144,7 @@ def _reply(answer: Answer) -> Reply:
     if not code or code in _OWN_KINDS:
         return Reply(text, code)
     kind = _KINDS.get(code, Refused.kind)
-    return Reply(text if kind != Refused.kind else f"{code}: {text}", kind)
+    return Reply(text if kind == Unreachable.kind else f"{code}: {text}", kind)
 
 
 def connect_secure(host: str, port: int, timeout_s: float) -> tuple[SecureLink, str, str, str]:

@@ -9,17 +9,11 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
 from rtkit.api.live_records import Record
-from rtkit.errors import LimitReached, Malformed, NotFound, Refused, RtkitError
+from rtkit.errors import Denied, LimitReached, Malformed, NotFound, Refused, RtkitError
 from rtkit.property.codes import CODES
-from rtkit.web.guard import DENIED, Refusal
+from rtkit.web.guard import Refusal
 
 _MOST_BYTES = 4 << 20
-
-
-class Denied(RtkitError):
-    """The page may not do that."""
-
-    kind = DENIED
 
 
 _STATUSES = {

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from rtkit.api.live_records import Record, SystemRecords, change_between
+from rtkit.errors import Denied
 from rtkit.link.places import host_name
 from rtkit.version import __version__
 from rtkit.web.audit.audit_log import AuditLog
@@ -15,7 +16,6 @@ from rtkit.web.feed import FeedUpdate
 from rtkit.web.flow.kept_changes import KeptChanges
 from rtkit.web.jobs.jobs import Jobs
 from rtkit.web.pages import Pages
-from rtkit.web.replies import Denied
 
 if TYPE_CHECKING:
     from rtkit.api.client import Client

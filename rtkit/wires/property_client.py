@@ -69,7 +69,8 @@ def bound_in(target: str, timeout_s: float) -> float:
 def failure(error: Exception) -> Answer:
     """Return the answer that stands for a call that failed."""
     is_late = isinstance(error, Unreachable) and str(error).startswith("no answer within")
-    return Answer(str(error), "timeout" if is_late else code_of(error))
+    code = "timeout" if is_late else code_of(error)
+    return Answer(str(error).removeprefix(f"{code}: "), code)
 
 
 class Inbox:
