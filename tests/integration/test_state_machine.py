@@ -290,6 +290,29 @@ def test_a_service_that_hangs_or_is_dead_holds_up_nothing(
     light._is_free.set()
 
 
+def test_what_is_repeated_to_a_missing_service_is_one_entry_of_the_log(
+    client: rtkit.Client, ends: ExitStack
+) -> None:
+    text = f"""{HEAD}:m a sm:Machine ; sm:initial :a . :a a sm:State ;
+    sm:do [ sm:set "robot.velocity" ; sm:value "(1 0 0)" ; sm:every 0.01 ] ."""
+    made = StateMachine(text, logs_all=True, start=True)
+    ends.enter_context(rtkit.serve(made, "butler"))
+
+    def texts(kind: str) -> list[str]:
+        return [entry[3] for entry in client.get("butler.log", n=1000) if entry[2] == kind]
+
+    until(lambda: len(texts("event")) >= 5)  # each time it fails, the machine is told
+    assert len(texts("failed")) == 1
+    robot = Robot()
+    with rtkit.serve(robot, "robot"):
+        until(lambda: robot.velocity[0] == 1)
+    until(lambda: len(texts("failed")) > 1)
+    count = len(texts("event"))
+    until(lambda: len(texts("event")) >= count + 5)
+    again = texts("failed")[1:]
+    assert len(again) == len(set(again))  # it may fail in other words while the service ends
+
+
 def test_a_service_that_dies_while_it_is_looked_at_is_an_event(
     client: rtkit.Client, ends: ExitStack
 ) -> None:

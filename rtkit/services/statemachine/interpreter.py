@@ -102,6 +102,7 @@ class Interpreter:
         self.why = ""
         self._last = ""
         self._fired: set[tuple[str, GuardedTransition]] = set()
+        self._unknown: set[MachineAction] = set()
         self._logs_all = logs_all
         self._count = 0
         self._since: dict[str, float] = {}
@@ -161,10 +162,16 @@ class Interpreter:
             self._note("time", "")
         return self._advance()
 
-    def fail(self, target: str, why: str, now: float) -> list[OutgoingSet]:
-        """Work on the news that a SET has failed: the event ``failed.TARGET``."""
+    def fail(
+        self, target: str, why: str, now: float, *, is_known: bool = False
+    ) -> list[OutgoingSet]:
+        """Work on the news that a SET has failed: the event ``failed.TARGET``.
+
+        The log has it already where it `is_known`: a do action fails each time as it did before.
+        """
         self._at(now)
-        self._note("failed", f"{target}: {why}")
+        if not is_known:
+            self._note("failed", f"{target}: {why}")
         return self.take(MachineEvent(f"failed.{target}"), now)
 
     def assign(self, name: str, value: Plain, now: float) -> list[OutgoingSet]:
@@ -367,8 +374,12 @@ class Interpreter:
             value: Plain | None = each.value
             if each.expression is not None:
                 value = each.expression.value(self._look)
+            is_known = is_repeated and action in self._unknown
+            self._unknown.discard(action)
             if value is None:
-                self._note("failed", f"{each.target}: not known: {each.expression.text}")  # type: ignore[union-attr]
+                if not is_known:
+                    self._note("failed", f"{each.target}: not known: {each.expression.text}")  # type: ignore[union-attr]
+                self._unknown.add(action)
                 self._raised.append(f"failed.{each.target}")
             elif each.kind == "raise":
                 self._raised.append(each.target)

@@ -60,7 +60,8 @@ class ServiceLink:
         names: Names of services in the machine.
         received: Called with each change of what is listened to.
         got: Called with the variable and the value that were to be got.
-        failed: Called with the target and the reason of what failed.
+        failed: Called with the target and the reason of what failed, and whether it is a repetition
+            that fails as it did before.
     """
 
     def __init__(
@@ -69,11 +70,12 @@ class ServiceLink:
         names: ServiceNames,
         received: Callable[[MachineEvent], object],
         got: Callable[[str, Any], object],
-        failed: Callable[[str, str], object],
+        failed: Callable[[str, str, bool], object],
     ) -> None:
         self._client, self._resolved = client, names.resolved
         self._report, self._got, self._failed = received, got, failed
         self._sends: deque[OutgoingSet] = deque()
+        self._failing: dict[str, str] = {}
         self._wanted: frozenset[str] = frozenset()
         self._listening: dict[str, Any] = {}
         self._gone: set[str] = set()
@@ -126,21 +128,32 @@ class ServiceLink:
 
     def _carry_out(self, send: OutgoingSet) -> None:
         try:
-            if send.target.startswith(VARIABLES):
-                value = self._client.get(self._resolved(send.get))
-                self._got(send.target.removeprefix(VARIABLES), value)
-                return
-            target = self._resolved(send.target)
-            if send.get:
-                self._copy(self._resolved(send.get), target)
-            else:
-                self._client.set(target, send.value)
+            self._do(send)
         except rtkit.PropertyError as error:
             why = f"{error.code}: {error}"
             # Most errors begin with the property and the code by themselves.
-            self._failed(send.target, why.removeprefix(f"{error.code}: {send.target}: "))
+            self._note_failure(send, why.removeprefix(f"{error.code}: {send.target}: "))
         except ValueError as error:
-            self._failed(send.target, f"bad-value: {error}")
+            self._note_failure(send, f"bad-value: {error}")
+        else:
+            self._failing.pop(send.target, None)
+
+    def _do(self, send: OutgoingSet) -> None:
+        if send.target.startswith(VARIABLES):
+            value = self._client.get(self._resolved(send.get))
+            self._got(send.target.removeprefix(VARIABLES), value)
+            return
+        target = self._resolved(send.target)
+        if send.get:
+            self._copy(self._resolved(send.get), target)
+        else:
+            self._client.set(target, send.value)
+
+    def _note_failure(self, send: OutgoingSet, why: str) -> None:
+        """Tell that a SET has failed."""
+        is_known = send.is_repeated and self._failing.get(send.target) == why
+        self._failing[send.target] = why
+        self._failed(send.target, why, is_known)
 
     def _copy(self, source: str, target: str) -> None:
         """Set a property to what another one is, bytes as bytes; many of them in blocks."""
@@ -171,7 +184,7 @@ class ServiceLink:
     def _received(self, target: str, change: Any) -> None:
         self._report(MachineEvent(target, None if change.code else change.value, True))
         if change.code == "no-service":
-            self._failed(target, "no-service: it has gone")
+            self._failed(target, "no-service: it has gone", False)
         elif change.code:
             with self._changed:
                 self._gone.add(target)  # nothing further will come of this listening

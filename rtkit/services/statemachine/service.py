@@ -353,8 +353,8 @@ class StateMachine(rtkit.Names):
         elif name in self._interpreter.variables:
             self._assign(name, value)
 
-    def _failed(self, target: str, why: str) -> None:
-        self._done(lambda now: self._interpreter.fail(target, why, now))
+    def _failed(self, target: str, why: str, is_known: bool = False) -> None:
+        self._done(lambda now: self._interpreter.fail(target, why, now, is_known=is_known))
 
 
 StateMachineInit = init_of(StateMachine)

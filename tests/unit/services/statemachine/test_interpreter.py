@@ -120,6 +120,23 @@ def test_what_cannot_be_computed_fails_and_is_not_sent() -> None:
     assert ("failed", "fan.speed: not known: light.level + 1") in [e[2:4] for e in door.log]
 
 
+def test_what_cannot_be_computed_again_and_again_is_in_the_log_once_until_it_can() -> None:
+    text = """sm:initial :a . :a a sm:State ; sm:transition [ sm:when "r.x > 9" ; sm:to :a ] ;
+    sm:do [ sm:set "r.y" ; sm:expression "r.x + 1" ; sm:every 1.0 ] ."""
+    made = Interpreter(machine(text))
+    made.command("start", 0.0)
+    for now in (1.0, 2.0, 3.0):
+        assert made.tick(now) == []
+    failed = ("failed", "r.y: not known: r.x + 1")
+    assert [e[2:4] for e in made.log].count(failed) == 1
+    made.take(MachineEvent("r.x", 1, True), 3.5)
+    assert sent(made.tick(4.0)) == [("r.y", "2")]
+    made.take(MachineEvent("r.x", None, True), 4.5)
+    for now in (5.0, 6.0):
+        assert made.tick(now) == []
+    assert [e[2:4] for e in made.log].count(failed) == 2
+
+
 def test_variables_stand_in_texts_and_may_be_got() -> None:
     text = """sm:variable [ sm:name "light" ; sm:value "" ] . :a a sm:State ;
     sm:entry [ sm:set "variables.light" ; sm:get "r.search?type=light" ] ;
