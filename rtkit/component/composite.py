@@ -168,8 +168,13 @@ class Composite(Component):
             done(None)
             return
         driver = self.driver
+
+        def release() -> None:
+            _release(driver, leaving)  # a cycle that comes before the last stage misses nobody
+            self.member_components = tuple(m for m in self.member_components if m not in leaving)
+
         stages = _Stages(done)
-        stages.add([(driver, partial(_release, driver, leaving))])
+        stages.add([(driver, release)])
         stages.add(_works(leaving, _awake))
         stages.add(_works(joining, _rest))
         stages.add([(driver, settle), (driver, partial(self._admit, driver, joining))])

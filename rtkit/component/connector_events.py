@@ -12,6 +12,7 @@ from typing import Any, Generic, TypeVar, cast
 
 from rtkit.component import callbacks
 from rtkit.component.buffer import AwaitedRing, Buffer, Pulled, Ring, Sink
+from rtkit.component.current import current
 from rtkit.component.options import PortStatus, parse_options
 from rtkit.rtc.profiles import ConnectorProfile
 
@@ -103,15 +104,32 @@ class ConnectorListeners:
 
         What a listener raises ends nothing but its own part in this, and is logged when it is new.
         """
-        for listener in self._by_event.get(event, ()):
-            try:
-                given = listener(connector, value)
-                if value is not None and given is not None and given is not value:
-                    value = self._fit(connector, given)
-            except callbacks.escaping:
-                raise
-            except BaseException as error:
-                self._report(event, connector, listener, error)
+        listeners = self._by_event.get(event)
+        if not listeners:
+            return value
+        before = current.set(self._owner(connector))
+        try:
+            for listener in listeners:
+                value = self._call(listener, event, connector, value)
+        finally:
+            current.reset(before)
+        return value
+
+    def _call(
+        self,
+        listener: ConnectorListener,
+        event: ConnectorEvent,
+        connector: ConnectorProfile,
+        value: Any,
+    ) -> Any:
+        try:
+            given = listener(connector, value)
+            if value is not None and given is not None and given is not value:
+                return self._fit(connector, given)
+        except callbacks.escaping:
+            raise
+        except BaseException as error:
+            self._report(event, connector, listener, error)
         return value
 
     def _report(
@@ -126,9 +144,12 @@ class ConnectorListeners:
         why = callbacks.describe_failure(error, listener)
         if why != self._failures.get(event):
             self._failures[event] = why
-            owner = connector.ports[self._end].instance if connector.ports else __name__
+            owner = self._owner(connector) or __name__
             text = "port %s: listener of %s failed: %s"
             logging.getLogger(owner).error(text, self._port, event, why, exc_info=error)
+
+    def _owner(self, connector: ConnectorProfile) -> str:
+        return connector.ports[self._end].instance if connector.ports else ""
 
 
 def receiving(

@@ -326,7 +326,9 @@ class ExecutionContext:
             if self._read_count() > reads and any(p.component.has_changes for p in self._active()):
                 self._is_stirred = True
         else:
-            self._take_settings_over()
+            for each in self._participants:
+                if each.component.takes_settings_from(self):
+                    self._take_settings_over(each)
 
     def _cycle(self) -> None:
         participants = self._participants
@@ -342,8 +344,7 @@ class ExecutionContext:
             if each.state is ACTIVE and each.updates:
                 self._work(each, "on_state_update")
             if each.component.takes_settings_from(self):
-                each.component.configuration.update()
-                self.changed(each.component)
+                self._take_settings_over(each)
 
     def _tick_once(self) -> tuple[ReturnCode, str]:
         if self.is_periodic:
@@ -360,11 +361,11 @@ class ExecutionContext:
     def _read_count(self) -> int:
         return sum(each.component.read_count for each in self._participants)
 
-    def _take_settings_over(self) -> None:
-        for each in self._participants:
-            if each.component.takes_settings_from(self):
-                each.component.configuration.update()
-                self.changed(each.component)
+    def _take_settings_over(self, each: Participant) -> None:
+        before = current.set(each.component.instance)  # whom those who listen to it belong to
+        each.component.configuration.update()
+        current.reset(before)
+        self.changed(each.component)
 
     def serve_requests(self) -> None:
         """Do what was requested, without a cycle; only for the ticking thread."""

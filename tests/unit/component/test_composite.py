@@ -239,6 +239,23 @@ def test_with_shared_state_all_leave_their_work_when_one_fails(house):
     assert "member B is in Error: ValueError: execute" in whole.cause
 
 
+def test_with_shared_state_a_member_may_leave_while_the_others_work(house):
+    whole = house.make(PeriodicStateSharedComposite, "W", members="A,B")
+    whole.driver.activate_component(whole)
+    (own,) = house.find("A").contexts.values()
+    own.wake = lambda: None  # its thread is busy
+    whole.configuration.set("default", {"members": "B"})
+    whole.configuration.activate("default")
+    whole.configuration.update()
+    outcomes = []
+    whole.arrange(outcomes.append)
+    whole.driver.tick()
+    assert (house.states(whole), outcomes) == ({"W": ACTIVE, "B": ACTIVE}, [])
+    own.serve_requests()
+    assert outcomes == [None]
+    assert whole.is_arranged
+
+
 def test_a_group_leaves_contexts_and_states_alone(house):
     whole = house.make(GroupingComposite, "W", members="A,B", exported_ports="A.out")
     a = house.find("A")
