@@ -173,4 +173,4 @@ def held_class(
         "described": described,
         "manager": manager,
     }
-    return type(servant_class.__name__, (HeldComponent,), body)
+    return type(servant_class.__name__, (servant_class.holder_class,), body)

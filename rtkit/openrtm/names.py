@@ -13,6 +13,17 @@ from rtkit.openrtm.lazy_module import LazyModule
 
 _ROOM = "rtkit.openrtm"
 _HOME = {
+    "component_listeners": """
+        ConfigurationParamListener ConfigurationParamListenerType ConfigurationSetListener
+        ConfigurationSetListenerType ConfigurationSetNameListener ConfigurationSetNameListenerType
+        PostComponentActionListener PostComponentActionListenerType PreComponentActionListener
+        PreComponentActionListenerType
+    """,
+    "composites": "PeriodicECOrganization PeriodicECSharedComposite addCallback setCallback",
+    "connector_listeners": """
+        ConnectorDataListener ConnectorDataListenerT ConnectorDataListenerType ConnectorInfo
+        ConnectorListener ConnectorListenerStatus ConnectorListenerType
+    """,
     "clock": "Time TimeValue setTimestamp",
     "logger": "Logger",
     "manager": "Delete Manager",
@@ -33,7 +44,11 @@ _HOME = {
 _MODULE_OF = {name: module for module, names in _HOME.items() for name in names.split()}
 _SUBMODULES = {
     "CORBA_SeqUtil": "sequence_util",
+    "EventPort": "event_port",
+    "EventPort_pyfsm": "event_port",
     "NVUtil": "name_values",
+    "StaticFSM": "static_fsm",
+    "StaticFSM_pyfsm": "static_fsm",
     "StringUtil": "string_util",
 }
 _RENAMED = {"instantiateDataType": "default_of"}

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from rtkit.component.config import Configuration
 from rtkit.component.kinds import ParameterKind
 from rtkit.errors import Malformed, RtkitError
+from rtkit.openrtm.component_listeners import ListenedConfiguration
 from rtkit.openrtm.properties import Properties
 from rtkit.openrtm.string_util import Convert, stringTo
 
@@ -94,8 +95,10 @@ def _kind(value: Any, convert: Convert) -> ParameterKind:
     return ParameterKind(_KINDS.get(type(value), "string"), read, str)
 
 
-class ConfigAdmin:
+class ConfigAdmin(ListenedConfiguration):
     """The configuration of a component under the names of OpenRTM."""
+
+    _configuration: BoundConfiguration
 
     def __init__(self, configuration: BoundConfiguration) -> None:
         self._configuration = configuration

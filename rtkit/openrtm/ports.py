@@ -10,6 +10,7 @@ from rtkit.component.port import InPort as FrozenInPort
 from rtkit.component.port import OutPort as FrozenOutPort
 from rtkit.errors import Malformed, RtkitError
 from rtkit.openrtm.absent import refuse
+from rtkit.openrtm.connector_listeners import ListenedPort
 from rtkit.openrtm.properties import Properties
 from rtkit.openrtm.records import ConnectorProfile, PortProfile, name_values
 from rtkit.openrtm.references import PortService
@@ -19,7 +20,7 @@ UNFIT = (Malformed, AttributeError, TypeError, ValueError, KeyError)
 """Errors of a value that cannot be carried: a field is not there, or holds what does not fit."""
 
 
-class PortBase(PortService):
+class PortBase(ListenedPort, PortService):
     """Base of all ports.
 
     Attributes:

@@ -81,8 +81,11 @@ class ExecutionContext(Reference):
         return ITEMS["RTC_OK"]
 
     def get_component_state(self, reference: Any) -> Any:
-        """Return the state of a component in this context."""
-        return item_for(self._context.state_of(reference.rtkit_component))
+        """Return the state of a component in this context; CREATED of one that is not in it."""
+        component = reference.rtkit_component
+        if component not in self._context.participants:
+            return ITEMS["CREATED_STATE"]
+        return item_for(self._context.state_of(component))
 
     def set_rate(self, rate: float) -> Any:
         """Change the rate [Hz]."""

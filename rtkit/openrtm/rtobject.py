@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from rtkit.errors import NotFound, Refused
 from rtkit.openrtm.absent import refuse
 from rtkit.openrtm.adapter import HeldComponent, being_made
+from rtkit.openrtm.component_listeners import ListenedComponent
 from rtkit.openrtm.enumerations import ITEMS, OK
 from rtkit.openrtm.logger import Logger
 from rtkit.openrtm.parameters import ConfigAdmin
@@ -20,21 +21,24 @@ from rtkit.openrtm.string_util import Convert
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def _default(function: F) -> F:
+def default_callback(function: F) -> F:
     """Mark a callback that does nothing, so that no context calls it."""
     function.is_default = True  # type: ignore[attr-defined]
     return function
 
 
-class RTObject_impl(RTObject):
+class RTObject_impl(ListenedComponent, RTObject):
     """The object of an author: rtkit's component behind it does what its methods ask for.
 
     Attributes:
         rtkit_component: That component.
+        holder_class: The class of rtkit's component behind it.
     """
 
     rtkit_component: HeldComponent
+    holder_class: ClassVar[type[HeldComponent]] = HeldComponent
     _manager: Any
+    _configsets: ConfigAdmin
 
     def __new__(cls, *_: Any, **__: Any) -> Any:
         """Return an object that knows its component, before any constructor runs."""
@@ -61,62 +65,62 @@ class RTObject_impl(RTObject):
 
     # callbacks
 
-    @_default
+    @default_callback
     def onInitialize(self) -> Any:
         """Prepare: called once, before any other."""
         return OK
 
-    @_default
+    @default_callback
     def onFinalize(self) -> Any:
         """Clean up: called once, last."""
         return OK
 
-    @_default
+    @default_callback
     def onStartup(self, ec_id: int) -> Any:
         """React to the start of an execution context."""
         return OK
 
-    @_default
+    @default_callback
     def onShutdown(self, ec_id: int) -> Any:
         """React to the stop of an execution context."""
         return OK
 
-    @_default
+    @default_callback
     def onActivated(self, ec_id: int) -> Any:
         """Go from Inactive to Active."""
         return OK
 
-    @_default
+    @default_callback
     def onDeactivated(self, ec_id: int) -> Any:
         """Go from Active to Inactive."""
         return OK
 
-    @_default
+    @default_callback
     def onExecute(self, ec_id: int) -> Any:
         """Do the work of one period."""
         return OK
 
-    @_default
+    @default_callback
     def onAborting(self, ec_id: int) -> Any:
         """Enter Error."""
         return OK
 
-    @_default
+    @default_callback
     def onError(self, ec_id: int) -> Any:
         """Wait in Error."""
         return OK
 
-    @_default
+    @default_callback
     def onReset(self, ec_id: int) -> Any:
         """Go from Error to Inactive."""
         return OK
 
-    @_default
+    @default_callback
     def onStateUpdate(self, ec_id: int) -> Any:
         """Publish new state."""
         return OK
 
-    @_default
+    @default_callback
     def onRateChanged(self, ec_id: int) -> Any:
         """React to a new rate."""
         return OK
@@ -328,9 +332,8 @@ class DataFlowComponentBase(RTObject_impl):
 _ABSENT = """
 addSdoServiceProvider addSdoServiceConsumer removeSdoServiceProvider removeSdoServiceConsumer
 attach_context detach_context bindContext exit finalizePorts finalizeContexts createContexts
-addPreComponentActionListener addPostComponentActionListener addPortActionListener
+addPortActionListener
 addExecutionContextActionListener addPortConnectListener addPortConnectRetListener
-addConfigurationParamListener addConfigurationSetListener addConfigurationSetNameListener
 addPreFsmActionListener addPostFsmActionListener addFsmProfileListener addFsmStructureListener
 get_owned_organizations get_configuration get_organizations get_service_profiles
 setReadAll setWriteAll deletePortByName
