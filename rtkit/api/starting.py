@@ -220,17 +220,20 @@ def teardown(
     ends_components: bool,
     uninstalls: bool = False,
     is_dry: bool = False,
+    lock: PlanLocks | None = None,
 ) -> tuple[LayeredPlan, list[str]]:
     """Remove the connections of a system, perhaps its components too; return the plan of that.
 
     With the components packages that plans installed for it alone are uninstalled on request,
-    unless something uses them; the second result tells these steps.
+    unless something uses them; the second result tells these steps. A `lock` keeps plans of others
+    off once nobody follows the system any more.
 
     Raises:
-        Refused: It was broken off; the message tells how far it went.
+        Refused: It was broken off; the message tells how far it went. Or somebody else carries a
+            plan out at one of its managers.
         KeyboardInterrupt: Interrupted; its text tells how far it went.
     """
-    from rtkit.api import owning
+    from rtkit.api import owning, states
     from rtkit.api.displaced import forget, homes_of, where_they_live
     from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.running import teardown_plan
@@ -244,7 +247,10 @@ def teardown(
         _report_layers(session, [plan], system, snapshot)
     else:
         with owning.given_up(session, document, ends=ends_components):
-            plan = _torn_down(session, document, system, snapshot, ends_components=ends_components)
+            if states.end_if_followed(session, document, snapshot) or lock is not None:
+                looking.take(session, lock)
+                snapshot = looking.remains(session)
+            plan = _torn_down(session, system, snapshot, ends_components=ends_components)
         if ends_components:
             forget(session, document, homes)
     if not (uninstalls and ends_components):
@@ -253,20 +259,13 @@ def teardown(
 
 
 def _torn_down(
-    session: Session,
-    document: SystemProfile,
-    system: WantedSystem,
-    snapshot: Snapshot,
-    *,
-    ends_components: bool,
+    session: Session, system: WantedSystem, snapshot: Snapshot, *, ends_components: bool
 ) -> LayeredPlan:
     """Carry the plan of a teardown out; return it."""
-    from rtkit.api import states, step_times
+    from rtkit.api import step_times
     from rtkit.deployment.live_index import LiveIndex
     from rtkit.deployment.running import left_now, teardown_plan
 
-    if states.end_if_followed(session, document, snapshot):
-        snapshot = looking.remains(session)
     plan = teardown_plan(system, LiveIndex(snapshot, system), ends_components=ends_components)
     _report_layers(session, [plan], system, snapshot)
     with (

@@ -279,6 +279,7 @@ class Tree(DataTree):
         end: bool = False,
         uninstall: bool = False,
         hosts: Mapping[str, str] = NO_MAP,
+        wait_s: float = 10.0,
     ) -> None:
         """Remove every connection of a profile, with `end` its components too.
 
@@ -289,12 +290,16 @@ class Tree(DataTree):
             end: Also end the components, in reverse order.
             uninstall: With `end`, also remove packages that plans installed for it alone.
             hosts: See `plan`.
+            wait_s: How long to wait for another plan at work at the manager [s].
+
+        Raises:
+            Refused: Somebody else is at work, or it was broken off; the message tells how far.
         """
         from rtkit.api.starting import teardown
 
         document = _loaded(profile, hosts)
-        with self._session("tear down", document) as session:
-            teardown(session, document, ends_components=end, uninstalls=uninstall)
+        with self._locked("tear down", document, wait_s) as (session, lock):
+            teardown(session, document, ends_components=end, uninstalls=uninstall, lock=lock)
 
     # States of a system
 

@@ -71,7 +71,12 @@ def test_a_killed_apply_is_run_again_and_finishes(manager: Any) -> None:
     # While it lives, nobody else applies anything; killed, it is in nobody's way.
     running.send_signal(signal.SIGSTOP)
     told = rf"rtapply: manager 'manager' is in use by rtapply {FILE} \(\S+, pid {running.pid} on "
-    for command in (f"rtapply --wait 0.1 {FILE}", f"rtstate --goto run {FILE}"):
+    busy = (
+        f"rtapply --wait 0.1 {FILE}",
+        f"rtteardown --wait 0.1 {FILE}",
+        f"rtstate --goto run {FILE}",
+    )
+    for command in busy:
         refused = shell.run(command)
         assert refused.status == 1
         assert re.search(told.replace("rtapply", command.split()[0], 1), refused.err)

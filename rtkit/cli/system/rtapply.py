@@ -61,8 +61,8 @@ def main(
 
     Managers that do not run and are needed are started first, as rtmgr start does; those of hosts
     that rthost knows, which paths name, /robot1/Motor0.rtc, as rtmgr start --host does.
-    Only one rtapply, rtresurrect or rtstate works at a manager at a time; another one names
-    it and ends, or waits with --wait.
+    Only one rtapply, rtresurrect, rtteardown or rtstate works at a manager at a time; another one
+    names it and ends, or waits with --wait.
 
     A parameter or set that a component does not have is told; when all else is done the exit status
     is 1 then, as that of rtcheck.

@@ -43,8 +43,8 @@ def main(
     what was made is removed again.
 
     Managers that do not run are started first, as rtmgr start does, those of hosts that rthost
-    knows as with --host; with --no-create they must run. Only one rtapply, rtresurrect or rtstate
-    works at a manager at a time.
+    knows as with --host; with --no-create they must run. Only one rtapply, rtresurrect,
+    rtteardown or rtstate works at a manager at a time.
     """
     from rtkit.api.starting import bring_up
 

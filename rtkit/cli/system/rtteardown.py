@@ -26,6 +26,7 @@ def main(
     uninstalls: bool = flag(
         "--uninstall", "With --exit, also packages that plans installed for it alone."
     ),
+    wait_s: float = shared.wait_option(10.0),
     is_json: bool = shared.PLAN_JSON,
     dry_run: bool = shared.DRY_RUN,
     asked: shared.DocumentOptions = together(shared.DocumentOptions),
@@ -35,6 +36,9 @@ def main(
     Missing parts are reported; the rest is removed all the same. A system that its manager follows
     (rtstate) is followed no more. Packages stay where another system was applied that needs them,
     or something that lives is of them.
+
+    While rtapply, rtresurrect, rtmove, rtstate or an owner of movable components is at work at a
+    manager, it waits for their end; what follows this system ends first.
     """
     from rtkit.api.starting import teardown
 
@@ -43,7 +47,12 @@ def main(
     if uninstalls and not ends:
         raise UsageProblem("--uninstall goes with --exit: what lives needs its package")
     plan, more = teardown(
-        app, document, ends_components=ends, uninstalls=uninstalls, is_dry=dry_run
+        app,
+        document,
+        ends_components=ends,
+        uninstalls=uninstalls,
+        is_dry=dry_run,
+        lock=None if dry_run else shared.locks(app, asked.files, wait_s),
     )
     if dry_run and not is_json:
         shared.show(plan)

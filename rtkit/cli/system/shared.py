@@ -47,12 +47,19 @@ def form_options(verb: str, default: str, *forms: str) -> Any:
 READ_FORMS = form_options("Read", "; without -x and -y, as name and content say", "xml", "yaml")
 DRY_RUN = flag("--dry-run", "Print what would be done, and do nothing.")
 PLAN_JSON = json_flag("The plan, then what becomes of each step, as JSON objects on stdout.")
-WAIT = option(
-    "--wait SECONDS",
-    "Wait so long for another rtapply, rtresurrect or rtstate at work (default 0).",
-    click.FloatRange(min=0, max=MOST_WAIT_S),
-    default=0.0,
-)
+
+
+def wait_option(default_s: float) -> Any:
+    """Return the option how long to wait for the locks of plans [s]."""
+    return option(
+        "--wait SECONDS",
+        f"Wait so long for another command that carries a plan out (default {default_s:g}).",
+        click.FloatRange(min=0, max=MOST_WAIT_S),
+        default=default_s,
+    )
+
+
+WAIT = wait_option(0.0)
 
 
 class DocumentOptions(NamedTuple):
