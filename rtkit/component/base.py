@@ -247,7 +247,7 @@ class Component(Callbacks):
         return self._add(ServicePort(name, interfaces, properties))
 
     def initialize(self) -> None:
-        """Come alive: on_initialize, then own contexts, which start.
+        """Come alive: own contexts are made, then on_initialize, then they start.
 
         Raises:
             Refused: on_initialize failed; the message has the exception and the line.
@@ -255,16 +255,16 @@ class Component(Callbacks):
         """
         if self.is_alive:
             raise Refused(f"{self.instance} is initialised already")
-        wanted = self._wanted_contexts()
+        self.contexts = {
+            each.id: ExecutionContext(each.id, each.kind, each.rate, self.instance, each.properties)
+            for each in self._wanted_contexts()
+        }
         failure = attempt(self.on_initialize)
         if failure:
+            self.contexts = {}
             raise Refused(f"{self.instance}: on_initialize failed: {failure}") from failure.error
         self.is_alive = True
-        for pattern in wanted:
-            context = ExecutionContext(
-                pattern.id, pattern.kind, pattern.rate, self.instance, pattern.properties
-            )
-            self.contexts[pattern.id] = context
+        for context in self.contexts.values():
             context.add_component(self)
             context.start()
 

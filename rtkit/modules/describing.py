@@ -18,6 +18,7 @@ from rtkit.rtc.profiles import TypeProfile
 
 _REGISTER = "register_factory"
 _SERVED = "init_of"  # Init = init_of(Class): a class that is served as live properties
+_OPENRTM, _REGISTER_THERE = b"OpenRTM_aist", b"registerFactory"
 _LARGEST = 1 << 20
 
 
@@ -40,6 +41,8 @@ def describe(
         Malformed: It means to be one, but cannot be described; names the reason and the line.
     """
     init = init or f"{os.path.basename(file).partition('.')[0]}Init"
+    if _OPENRTM in source and _REGISTER_THERE in source:
+        return _openrtm_types(source, file)
     if init.encode() not in source and _REGISTER.encode() not in source:
         return None
     if len(source) > _LARGEST:
@@ -59,6 +62,20 @@ def describe(
     if missing is not None:
         raise Malformed(f"{missing.id} is not defined in this file ({file}:{missing.lineno})")
     return [_offer(classes[each.id], classes, names) for each in registered]
+
+
+def _openrtm_types(source: bytes, file: str) -> list[OfferedType]:
+    from rtkit.openrtm.identity import type_of
+    from rtkit.openrtm.specification import specifications
+
+    prefix = "conf.default."
+    return [
+        OfferedType(
+            type_of(each),
+            {k.removeprefix(prefix): text for k, text in each.items() if k.startswith(prefix)},
+        )
+        for each in specifications(source, file)
+    ]
 
 
 def _parse(source: bytes, file: str) -> ast.Module:

@@ -15,6 +15,7 @@ from rtkit.component.config import DEFAULT, Configuration
 from rtkit.component.context import ExecutionContext
 from rtkit.errors import NotFound
 from rtkit.openrtm.enumerations import OK
+from rtkit.openrtm.identity import type_of
 from rtkit.openrtm.parameters import BoundConfiguration
 from rtkit.rtc.profiles import TypeProfile
 
@@ -68,15 +69,7 @@ class HeldComponent(Component):
     @classmethod
     def type_profile(cls) -> TypeProfile:
         """Return the identity that its module gives it."""
-        given = cls.described.get
-        return TypeProfile(
-            type_name=given("type_name") or given("implementation_id") or cls.__name__,
-            vendor=given("vendor", ""),
-            category=given("category", ""),
-            version=given("version", ""),
-            description=" ".join(given("description", "").split()),
-            language=given("language") or "Python",
-        )
+        return type_of(cls.described, cls.__name__)
 
     @property
     def variables(self) -> BoundConfiguration:
@@ -124,7 +117,7 @@ class HeldComponent(Component):
         Raises:
             NotFound: It takes part in none of that number.
         """
-        for each in self.participations:
+        for each in (*self.contexts.values(), *self.participations):
             if self.context_number(each.handle_for(self)) == number:
                 return each
         raise NotFound(f"{self.instance} takes part in no execution context {number}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import traceback
 from typing import Any
 
 _VERBOSE = 5
@@ -53,6 +52,8 @@ class Logger:
     @staticmethod
     def print_exception() -> str:
         """Return the present exception as Python prints it."""
+        import traceback
+
         return traceback.format_exc()
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from importlib import import_module
 from types import ModuleType
@@ -53,6 +52,18 @@ _SUBMODULES = {
 }
 _RENAMED = {"instantiateDataType": "default_of"}
 _OF_OMNIORB = ("CORBA", "PortableServer")
+_CORBA = {
+    "omniORB.CORBA": "corba_name",
+    "omniORB.PortableServer": "portable_server_name",
+    "CORBA": "corba_name",
+    "PortableServer": "portable_server_name",
+    "SDOPackage": "sdo_name",
+    "SDOPackage__POA": "sdo_name",
+    "OpenRTM": "openrtm_name",
+    "OpenRTM__POA": "openrtm_name",
+    "CosNaming": "naming_name",
+}
+"""Function of `rtkit.openrtm.corba` that finds the names of each module."""
 
 
 @cache
@@ -65,8 +76,10 @@ def shared_module(name: str) -> ModuleType | None:
         return _submodule(last)
     if name == "omniORB":
         return LazyModule(name, _omniorb_name)
-    finder = _finders().get(name)
-    return LazyModule(name, finder) if finder is not None else None
+    if name not in _CORBA:
+        return None
+    corba = import_module(f"{_ROOM}.corba")
+    return LazyModule(name, getattr(corba, _CORBA[name]))
 
 
 def _omniorb_name(name: str) -> Any:
@@ -98,19 +111,3 @@ def _submodule(name: str) -> ModuleType:
         return LazyModule(f"OpenRTM_aist.{name}", _openrtm_name)
     module = import_module(f"{_ROOM}.{home}")
     return LazyModule(f"OpenRTM_aist.{name}", lambda each: vars(module)[each], lambda: vars(module))
-
-
-def _finders() -> dict[str, Callable[[str], Any]]:
-    from rtkit.openrtm import corba
-
-    return {
-        "omniORB.CORBA": corba.corba_name,
-        "omniORB.PortableServer": corba.portable_server_name,
-        "CORBA": corba.corba_name,
-        "PortableServer": corba.portable_server_name,
-        "SDOPackage": corba.sdo_name,
-        "OpenRTM": corba.openrtm_name,
-        "OpenRTM__POA": corba.openrtm_name,
-        "SDOPackage__POA": corba.sdo_name,
-        "CosNaming": corba.naming_name,
-    }

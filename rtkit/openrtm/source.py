@@ -15,7 +15,6 @@ from types import CodeType
 from typing import NamedTuple
 
 from rtkit.errors import Refused
-from rtkit.openrtm.python2 import TOKEN, sign_of_python2
 
 MARK = b"OpenRTM_aist"
 """Found in the source of every module that was written for OpenRTM-aist-Python."""
@@ -82,6 +81,8 @@ def mended(source: bytes, file: str) -> bytes:
     error = _compiles(data, file)
     if error is None:
         return data
+    from rtkit.openrtm.python2 import sign_of_python2  # most files are compiled as they are
+
     sign = sign_of_python2(text, error.lineno or 1)
     if sign is not None:
         raise Refused(python2_refusal(file, sign.line, sign.what)) from error
@@ -140,6 +141,8 @@ def with_spaces(text: str) -> str:
     """
     if "\t" not in text:
         return text
+    from rtkit.openrtm.python2 import TOKEN
+
     spans = [each.span() for each in TOKEN.finditer(text)]
     starts = [begin for begin, _ in spans]
 

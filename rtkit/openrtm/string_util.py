@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 from collections.abc import Callable, MutableSequence, Sequence
 from typing import Any
 
@@ -160,4 +159,6 @@ def replaceEnv(text: str) -> str:
 
 def parseArgs(text: str) -> list[str]:
     """Return the arguments of a line of a shell."""
+    import shlex
+
     return shlex.split(text)

@@ -219,3 +219,35 @@ def test_the_function_that_registers_is_found_by_what_it_does(tmp_path: Path) ->
     assert [each.type_name for each in mine.types] == ["Echo"]
     with pytest.raises(NotFound, match="no init function Other"):
         Loader([]).load(str(file), "Other")
+
+
+def test_contexts_are_there_when_it_is_initialised(tmp_path: Path) -> None:
+    body = """
+def onInitialize(self):
+    self.before = self.getExecutionContext(0).get_rate()
+    self.get_owned_contexts()[0].set_rate(25)
+    return RTC.RTC_OK
+"""
+    one = made(write_component(tmp_path, "One", body))
+    assert (one.servant.before, one.contexts["0"].rate) == (1000.0, 25.0)
+
+
+def test_a_port_is_added_while_it_runs(tmp_path: Path) -> None:
+    body = """
+def onExecute(self, ec_id):
+    self.late = OpenRTM_aist.OutPort("late", RTC.TimedString(RTC.Time(0, 0), ""))
+    self.twice = OpenRTM_aist.OutPort("late", RTC.TimedString(RTC.Time(0, 0), ""))
+    self.added = (self.addOutPort("late", self.late), self.addOutPort("late", self.twice))
+    self.deactivate(ec_id)
+    return RTC.RTC_OK
+"""
+    one = made(write_component(tmp_path, "One", body))
+    seen: list[list[str]] = []
+    one.contexts["0"].changed = lambda component: seen.append([*one.ports])
+    activate(one)
+    one.contexts["0"].tick()
+    one.contexts["0"].tick()
+    assert one.servant.added == (True, False)
+    assert seen[-1] == ["late"]
+    assert one.servant.removePort(one.servant.late) is True
+    assert [*one.ports] == []
