@@ -10,7 +10,7 @@ import click
 from rtkit.cli.shared import terminal
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.options import argument, insecure_flag, option, several, together
+from rtkit.cli.shared.options import argument, flag, insecure_flag, option, several, together
 from rtkit.errors import Refused
 from rtkit.wires.table import PORT, PUBLIC, WIRES
 
@@ -119,6 +119,9 @@ def main(
         "Services of this other host may ask and set it, too, over the link that one of both has "
         "(repeatable; default none).",
     ),
+    is_without_zenoh: bool = flag(
+        "--no-zenoh", "Answer no zenoh queries, nor load it: other hosts do not find the service."
+    ),
     files: tuple[str, ...] = several(
         "--rules FILE", "A rule: which client may do what over which wire; or a limit."
     ),
@@ -145,12 +148,15 @@ def main(
     unknowing = [each.name for each in _OPTIONS if not each.knows_clients]
     if settable and all(endpoints[each] is None for each in unknowing):
         raise click.UsageError(f"--allow-set goes with --{' or --'.join(unknowing)}")
+    if hosts and is_without_zenoh:
+        raise click.UsageError("--host asks over zenoh: it does not go with --no-zenoh")
     _check_reach(endpoints, is_insecure=is_insecure)
     policy = _policy(files, lines)
     thing_made = made(thing, arguments)
     with ended_by_sigterm() as ended, serve(
         thing_made, name, settable=settable, hide=hide, history=history, rules=policy,
-        notify=notify, hosts=hosts, is_on_zenoh=True, is_insecure=is_insecure, **endpoints,
+        notify=notify, hosts=hosts, is_on_zenoh=not is_without_zenoh, is_insecure=is_insecure,
+        **endpoints,
     ) as served:  # fmt: skip
         # Addresses that --at takes without a scheme are printed without one.
         opened = [each.removeprefix(TCP_CLIENTS.prefix) for each in served.addresses.values()]
