@@ -6,9 +6,9 @@ import os
 import sys
 
 _OF_MODULES = {
-    "Ice": "ice", "cryptography": "hosts", "cv2": "vision", "h11": "http", "numpy": "sim",
-    "paho": "mqtt", "pynmea2": "gps", "rdflib": "rdf", "serial": "serial", "starlette": "web",
-    "textual": "gui", "uvicorn": "web", "watchfiles": "storage",
+    "Ice": "ice", "cryptography": "hosts", "cv2": "vision", "fissix": "openrtm", "h11": "http",
+    "numpy": "sim", "paho": "mqtt", "pynmea2": "gps", "rdflib": "rdf", "serial": "serial",
+    "starlette": "web", "textual": "gui", "uvicorn": "web", "watchfiles": "storage",
 }  # fmt: skip
 
 

@@ -55,6 +55,12 @@ TOPICS: dict[str, dict[str, str]] = {
         "rtwait": "Wait for components, their states, and data of ports.",
         "rtwatch": "Print what happens to components, as it happens.",
     },
+    "openrtm": {
+        "rtopenrtm": "Work with components written for OpenRTM-aist-Python.",
+    },
+    "openrtm.words": {
+        "migrate": "Convert Python 2 sources to Python 3, with what they import from beside them.",
+    },
     "packages": {
         "rtpkg": "Build, publish, find and install packages of components.",
     },

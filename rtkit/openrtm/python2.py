@@ -50,6 +50,10 @@ GONE = frozenset(
 """Functions that Python 3 does not have, or not among its built-in names."""
 
 
+_OF_DIVISIONS = ("non-int of type 'float'", "'float' object cannot be interpreted", "slice indices")
+"""Parts of the errors where a quotient of whole numbers is to be one."""
+
+
 class SignOfPython2(NamedTuple):
     """A place at which a source shows that it is Python 2."""
 
@@ -78,6 +82,8 @@ def is_python2_error(error: BaseException) -> str:
         return f"module {name}"
     if isinstance(error, NameError) and name in GONE:
         return name
+    if isinstance(error, TypeError) and any(each in str(error) for each in _OF_DIVISIONS):
+        return "/ between whole numbers"
     if isinstance(error, AttributeError) and name in ("has_key", "iteritems", "itervalues"):
         return name
     return ""

@@ -16,6 +16,7 @@ GROUPS = {
     "hosts.words": "rthost",
     "keys.words": "rtkeys",
     "packages.words": "rtpkg",
+    "openrtm.words": "rtopenrtm",
 }
 """Folders of words, and whose words they are."""
 

@@ -277,9 +277,10 @@ class ManagerState:
         return process.stuck.get(instance, "") or process.silence
 
     def waits_in(self, key: int) -> dict[str, str]:
-        """Return for what input the components of a process wait."""
+        """Return which components of a process wait for input, and how that is given."""
         held = (self.components[each] for each in self.held_by(key))
-        return {facts.instance: facts.waits for facts in held if facts.waits}
+        way = "rtattach gives it some"
+        return {facts.instance: f"{facts.waits} ({way})" for facts in held if facts.waits}
 
     def watched(self, instance: str) -> RestartRecord:
         """Return what has been done about the ends of a component."""

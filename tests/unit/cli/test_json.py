@@ -80,6 +80,7 @@ ELSEWHERE = {
     "settings-file": "unit/cli/test_rtconfig.py",
     "status": "system/test_status.py",
     "system-state": "unit/cli/test_system_states.py",
+    "migrated-file": "unit/openrtm/test_migration.py",
     "terminal": "system/test_terminals.py",
     "transition": "unit/cli/test_system_states.py",
     "property": "system/test_live_properties.py",
@@ -91,7 +92,7 @@ WITHOUT = {
     "rtact", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdis", "rtexit",
     "rtinject", "rtproxy", "rtreset", "rtserve", "rtset",  # change, and tell nothing
     "rtcwd",  # prints what a shell is to evaluate
-    "rthost", "rtkeys", "rtpkg", "rtprofile",  # their words have it
+    "rthost", "rtkeys", "rtopenrtm", "rtpkg", "rtprofile",  # their words have it
     "rtdoc", "rtstodot",  # write documents of other forms
     "rtgui",  # for a terminal only
     "rtweb",  # for a browser, which asks it for JSON

@@ -1,0 +1,1 @@
+"""Commands about components written for OpenRTM-aist-Python."""
