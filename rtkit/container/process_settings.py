@@ -100,9 +100,10 @@ def layered(
     files: Mapping[str, str] = message.get("config_files") or {}
     layers = [dict(message.get("inherited") or {}) if inherits else {}]
     for name in (type.type_name, create.instance_name):
-        path = files.get(f"{type.category}.{name}")
-        if path:
-            layers.append(_read(path))
+        for category in _categories(type):
+            path = files.get(f"{category}.{name}")
+            if path:
+                layers.append(_read(path))
     own = create.options.get("config_file")
     if own:
         layers.append(_read(own))
@@ -112,6 +113,13 @@ def layered(
     for layer in (*layers, create.options):
         merged.update(layer)
     return create.with_options(**merged)
+
+
+def _categories(type: TypeProfile) -> tuple[str, ...]:
+    """Return the category of a type; a composite has that of OpenRTM, too, which tells its kind."""
+    if type.category != "composite":
+        return (type.category,)
+    return (type.category, f"composite.{type.type_name.removesuffix('Composite')}")
 
 
 def _read(path: str) -> dict[str, str]:

@@ -363,12 +363,12 @@ def _number(key: str, text: str) -> str:
 
 
 def _fits(pattern: str, key: str) -> bool:
-    """Return whether a key matches a pattern; the last star stands for any number of elements."""
+    """Return whether a key matches; a star at an end stands for any number of elements."""
     wanted, parts = pattern.split("."), key.split(".")
     if wanted[-1] == "*":
-        if len(parts) < len(wanted):
-            return False
         parts = parts[: len(wanted)]
+    elif wanted[0] == "*":
+        parts = parts[-len(wanted) :]
     return len(wanted) == len(parts) and all(
         want in ("*", part) and part for want, part in zip(wanted, parts, strict=True)
     )

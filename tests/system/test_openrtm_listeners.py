@@ -93,3 +93,18 @@ def test_a_composite_of_an_author_drives_existing_components(manager: Any) -> No
         "Inactive  2/0  1/0  1/0  0/0  Motor0.rtc",
         "Active    2/0  1/0  1/0  0/0  Sensor0.rtc",
     ]
+
+
+@needs_components
+def test_a_composite_sample_of_openrtm_starts_from_its_own_rtc_conf(shell: Any) -> None:
+    there = f"import os; os.chdir({str(EXAMPLES / 'Composite')!r}); "
+    assert shell.end_of(shell.open("rtmgr start -f rtc.conf", there)) == (0, "", "")
+    assert shell.ok(f"rtls -l {PLACE}").splitlines() == [
+        "Inactive  2/0  1/0  1/0  0/0  Controller0.rtc",
+        "Inactive  2/0  1/0  1/0  0/0  Motor0.rtc",
+        "Inactive  2/0  1/0  1/0  0/0  PeriodicECSharedComposite0.rtc",
+        "Inactive  2/0  1/0  1/0  0/0  Sensor0.rtc",
+    ]
+    shell.ok("rtact /localhost/PeriodicECSharedComposite0.rtc")
+    assert shell.ok(f"rtls -l {PLACE}").count("Active") == 4
+    shell.ok("rtmgr stop")

@@ -109,5 +109,5 @@ def config_files(state: ManagerState) -> dict[str, str]:
     return {
         key.removesuffix(_CONFIG_FILE): os.path.join(state.folder, path)
         for key, path in state.settings.below("").items()
-        if key.endswith(_CONFIG_FILE) and key.count(".") == 2
+        if key.endswith(_CONFIG_FILE) and key.count(".") >= 2
     }

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 
 import pytest
 
+from rtkit.component.composite import PeriodicECSharedComposite
 from rtkit.container.process_settings import layered
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.create import parse_create
@@ -56,6 +58,16 @@ def test_the_strongest_wins(tmp_path):
     }
     assert "a" not in layered(create, ARM, message, inherits=False).options
     assert layered(create, ARM, {}) is create
+
+
+def test_a_composite_has_the_category_of_openrtm_too(tmp_path):
+    category = "composite.PeriodicECShared"
+    file = write(tmp_path / "composite.conf", "conf.default.members: A, B")
+    message = {"config_files": {f"{category}.Both0": file}}
+    create = parse_create("PeriodicECSharedComposite?instance_name=Both0")
+    for type in (PeriodicECSharedComposite.type_profile(), replace(ARM, category=category)):
+        assert layered(create, type, message).options["conf.default.members"] == "A, B"
+    assert layered(create, ARM, message) is create
 
 
 def test_the_file_that_a_create_string_names(tmp_path):

@@ -39,6 +39,7 @@ def test_every_default_is_of_its_kind():
         "ec.slow.a.b",
         "port.inport.dataport.buffer.length",
         "Sensors.Robot0.config_file",
+        "composite.PeriodicECShared.Both0.config_file",
         "corba.args",
         "logger.logstream.fluentd.output0.tag",
     ],
