@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 
-class NotSupported(NotImplementedError):
-    """A part of OpenRTM-aist was used that rtkit does not have."""
+class NotSupported(AttributeError, NotImplementedError):
+    """A part of OpenRTM-aist was used that rtkit does not have; `hasattr` may ask for it."""
 
 
 def refuse(name: str) -> NotSupported:

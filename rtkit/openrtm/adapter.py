@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextvars import ContextVar
 from typing import Any, ClassVar
+from weakref import WeakSet
 
 from rtkit.component.base import ACTIVE_SET, Component
 from rtkit.component.config import DEFAULT, Configuration
@@ -35,6 +36,7 @@ CALLBACKS = {
 }
 _OTHERS = 1000
 """Number of the first execution context that another component owns."""
+_all: WeakSet[HeldComponent] = WeakSet()
 being_made: ContextVar[HeldComponent | None] = ContextVar("being_made", default=None)
 """The component whose object is being constructed."""
 
@@ -56,6 +58,7 @@ class HeldComponent(Component):
     def __init__(self, instance: str, options: Mapping[str, str] | None = None) -> None:
         super().__init__(instance, options)
         self._context_numbers: dict[str, int] = {}
+        _all.add(self)
         token = being_made.set(self)
         try:
             self.servant: Any = self.servant_class(self.manager)
@@ -153,6 +156,11 @@ class _Callback:
     def __call__(self, *contexts: str) -> Any:
         code = self._call(*map(self._number_of, contexts))
         return None if code is OK else code
+
+
+def living() -> list[HeldComponent]:
+    """Return the components of this process that hold objects, and are alive."""
+    return sorted((each for each in _all if each.is_alive), key=lambda each: each.instance)
 
 
 def held_class(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from typing import Any
 
 _MICROSECONDS = 1_000_000
@@ -71,7 +72,7 @@ class TimeValue:
 
 
 class Time:
-    """The time at which it was made.
+    """The time at which it was made, or a difference of two.
 
     Attributes:
         sec: Whole seconds since 1970 [s].
@@ -79,12 +80,62 @@ class Time:
     """
 
     def __init__(self) -> None:
-        self.sec, self.usec = divmod(time.time_ns() // 1000, _MICROSECONDS)
+        self.gettimeofday()
+
+    def __sub__(self, other: Time) -> Time:
+        difference = self.getTime() - other.getTime()
+        made = Time()
+        made.sec, made.usec = difference.tv_sec, difference.tv_usec
+        return made
 
     def getTime(self) -> TimeValue:
-        """Return the present time."""
-        return self.gettimeofday()
+        """Return it."""
+        return TimeValue(self.sec, self.usec)
 
     def gettimeofday(self) -> TimeValue:
-        """Return the present time."""
-        return TimeValue(0, time.time_ns() // 1000)
+        """Set it to the present time, and return it."""
+        self.sec, self.usec = divmod(time.time_ns() // 1000, _MICROSECONDS)
+        return self.getTime()
+
+
+class TimeMeasure:
+    """Measures spans of time between calls of `tick` and `tack`.
+
+    Args:
+        buflen: How many spans count.
+    """
+
+    def __init__(self, buflen: int = 100) -> None:
+        self._spans: deque[float] = deque(maxlen=buflen + 1)
+        self._begin = 0.0
+
+    def tick(self) -> None:
+        """Begin a span."""
+        self._begin = time.perf_counter()
+
+    def tack(self) -> None:
+        """End a span, if one has begun."""
+        if self._begin:
+            self._spans.append(time.perf_counter() - self._begin)
+
+    def interval(self) -> TimeValue:
+        """Return the last span."""
+        return TimeValue(self._spans[-1] if self._spans else 0.0)
+
+    def reset(self) -> None:
+        """Forget all spans."""
+        self._spans.clear()
+        self._begin = 0.0
+
+    def count(self) -> int:
+        """Return how many spans count."""
+        return len(self._spans)
+
+    def getStatistics(self, *_: Any) -> tuple[bool, float, float, float, float]:
+        """Return whether there are spans, the longest, the shortest, mean and deviation [s]."""
+        if not self._spans:
+            return False, 0.0, 0.0, 0.0, 0.0
+        from statistics import fmean, pstdev
+
+        deviation = pstdev(self._spans)
+        return True, max(self._spans), min(self._spans), fmean(self._spans), deviation

@@ -12,6 +12,7 @@ from typing import Any
 
 from rtkit.builder.standard_types import KNOWN
 from rtkit.component.defined import DefinedTypes
+from rtkit.component.type_layout import layout_of_hint
 from rtkit.component.typenames import is_standard, type_by_name
 from rtkit.errors import InvalidDocument, Malformed
 from rtkit.idl.model import (
@@ -28,7 +29,7 @@ from rtkit.idl.model import (
 )
 from rtkit.idl.read import read_idl
 from rtkit.openrtm.services import exception_class, interface_class, servant_class
-from rtkit.openrtm.twins import twin_of
+from rtkit.openrtm.twins import AliasOf, twin_of
 
 
 class Declarations:
@@ -91,7 +92,10 @@ class Declarations:
             held = declared.value
             return self.value((*held.path[:-1], held.name)) if isinstance(held, EnumValue) else held
         if isinstance(declared, Typedef):
-            return self.value(declared.type.path) if isinstance(declared.type, Named) else declared
+            if isinstance(declared.type, Named):
+                return self.value(declared.type.path)
+            hint = self.types.hint(declared.type)
+            return AliasOf(declared.name, layout_of_hint(hint, declared.name))
         if isinstance(declared, InterfaceDeclaration):
             bases = tuple(self.value(each) for each in declared.bases)
             made = interface_class(declared, bases, self)

@@ -22,6 +22,15 @@ from rtkit.openrtm.names import shared_module
 from rtkit.openrtm.source import Compile, compiled
 
 _PREFIX = "rtkit_module_"
+_FORMER = {
+    "basestring": str,
+    "long": int,
+    "raw_input": input,
+    "unichr": chr,
+    "unicode": str,
+    "xrange": range,
+}
+"""Built-in functions of Python 2 that old components still name."""
 _folders: dict[str, ComponentFolder] = {}
 
 
@@ -61,7 +70,8 @@ class ComponentFolder:
         self._usual_path: frozenset[str] = frozenset()
         self._lock = RLock()
         self._definitions = FolderDefinitions(path, self.read)
-        self._builtins = {**vars(builtins), "__import__": self._import, "open": self._open}
+        own = {"__import__": self._import, "open": self._open}
+        self._builtins = {**vars(builtins), **_FORMER, **own}
 
     def run(self, module: ModuleType, text: bytes) -> None:
         """Run a module; what it adds to `sys.path` of its project counts for this folder alone.

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any, ClassVar, Protocol
 
 from rtkit.openrtm.absent import refuse
-from rtkit.openrtm.adapter import HeldComponent, held_class
+from rtkit.openrtm.adapter import HeldComponent, held_class, living
 from rtkit.openrtm.logger import Logger
 from rtkit.openrtm.properties import Properties
 
@@ -85,6 +85,15 @@ class ModuleManager:
         if self._registrar is None:
             raise refuse(f"Manager.createComponent({comp_args!r}) from within a component")
         return _Nothing()
+
+    def getComponents(self) -> list[Any]:
+        """Return the objects of the components of this process."""
+        return [each.servant for each in living()]
+
+    def getComponent(self, instance_name: str) -> Any:
+        """Return the object of a component of this process; None where there is none."""
+        found = (each.servant for each in living() if each.instance == instance_name)
+        return next(found, None)
 
     def getLogbuf(self, name: str = "manager") -> Logger:
         """Return a logger."""

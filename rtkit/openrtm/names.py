@@ -23,7 +23,7 @@ _HOME = {
         ConnectorDataListener ConnectorDataListenerT ConnectorDataListenerType ConnectorInfo
         ConnectorListener ConnectorListenerStatus ConnectorListenerType
     """,
-    "clock": "Time TimeValue setTimestamp",
+    "clock": "Time TimeMeasure TimeValue setTimestamp",
     "logger": "Logger",
     "manager": "Delete Manager",
     "parameters": "ConfigAdmin",
@@ -37,6 +37,7 @@ _HOME = {
         isAbsolutePath isEscaped isURL normalize otos parseArgs replaceEnv replaceString split
         stringTo stringToStrVec toArgv toBool unescape unique_sv urlparam2map
     """,
+    "tasks": "Async_ref_t Async_ref_tInvoker Async_t Async_tInvoker PeriodicTask Task",
     "twins": "instantiateDataType",
     "helpers": "DataPortStatus PortType ScopedLock toTypename",
 }

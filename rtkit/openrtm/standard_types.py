@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import Any
 
 from rtkit.component.standard import declared_in, find, names_of
+from rtkit.component.type_layout import layout_of_hint
 from rtkit.component.typenames import type_by_name
 from rtkit.openrtm.enumerations import ENUMERATIONS, ITEMS
-from rtkit.openrtm.twins import descriptor_of, twin_of
+from rtkit.openrtm.twins import AliasOf, descriptor_of, twin_of
 
 _FAMILIES = ("timed", "geometry", "extended", "sensors", "actuators", "navigation")
 _DESCRIPTOR = "_d_"
@@ -43,8 +45,12 @@ def rtc_value(name: str) -> Any:
     declared = find("RTC", name)
     if declared is None:
         return _member(name)
-    cls = type_by_name(f"RTC::{name}") if declared.kind != "typedef" else None
-    return declared if cls is None else twin_of(cls)
+    if declared.kind == "typedef":
+        home = import_module(f"rtkit.component.{declared.home}")
+        return AliasOf(name, layout_of_hint(getattr(home, name), name))
+    cls = type_by_name(f"RTC::{name}")
+    assert cls is not None, name
+    return twin_of(cls)
 
 
 def _member(name: str) -> Any:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from enum import Enum
 from functools import cache
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from rtkit.component.codegen import Source, record_maker
 from rtkit.component.type_layout import (
@@ -94,8 +94,17 @@ def frozen_class_of(value: Any) -> type:
     return cls.frozen_class
 
 
+class AliasOf(NamedTuple):
+    """Another name for a sequence, an array, a number or a text."""
+
+    name: str
+    layout: Layout
+
+
 def default_of(cls: Any) -> Any:
     """Return a value of a structure with every number 0, every text and sequence empty."""
+    if isinstance(cls, AliasOf):
+        return _zero(cls.layout)
     if isinstance(cls, ItemsOfEnum):
         return cls._items[0]
     return _zero(layout_of(frozen_class_of(cls)))
