@@ -95,6 +95,7 @@ class PropertyEventLoop:
         self._dirty: set[IOHandler] = set()
         self._handlers: dict[int, IOHandler] = {}
         self._sockets: dict[int, Descriptor] = {}
+        self._attended: dict[int, int] = {}
         self._is_woken = self._is_changing = False
         self._is_ended = threading.Event()
         self._housekeeping_at = 0.0
@@ -163,14 +164,19 @@ class PropertyEventLoop:
     def await_room(self, end: ByteStream, *, reads: bool, writes: bool) -> None:
         """Wait until a socket can be read, or be written to, or for neither of them."""
         mask = (select.EPOLLIN if reads else 0) | (select.EPOLLOUT if writes else 0)
-        self._epoll.modify(end.fileno(), mask)
+        number = end.fileno()
+        if number in self._attended:
+            self._attended[number] = mask
+        else:
+            self._epoll.modify(number, mask)
 
     def unregister(self, end: Descriptor, handler: IOHandler) -> None:
         """Serve a socket no longer."""
         number = end.fileno()
         if self._handlers.pop(number, None) is not None:
             del self._sockets[number]
-            self._epoll.unregister(number)
+            if self._attended.pop(number, None) is None:
+                self._epoll.unregister(number)
         self._dirty.discard(handler)
 
     def attend(
@@ -193,8 +199,11 @@ class PropertyEventLoop:
             return False
 
         def take_back(left: WorkerExit) -> None:
+            number = end.fileno()
+            if number < 0:
+                return  # it was closed meanwhile
             end.setblocking(False)
-            self._epoll.register(end.fileno(), select.EPOLLIN)
+            self._epoll.register(number, self._attended.pop(number))
             back(left)
 
         worker = DedicatedWorker(end, answer, lambda left: self.post(lambda: take_back(left)))
@@ -204,6 +213,7 @@ class PropertyEventLoop:
                 worker.attend(self.lock, data)
 
         self._epoll.unregister(end.fileno())
+        self._attended[end.fileno()] = select.EPOLLIN
         self._workers.begin(worker, end, run)
         return True
 

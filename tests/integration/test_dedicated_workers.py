@@ -12,10 +12,12 @@ import pytest
 from conformance import check_answers, check_events
 from property_endpoints import BOUND_S, Lines
 
+from rtkit.errors import Unreachable
 from rtkit.property.service import Service
 from rtkit.serving import dedicated_worker, workers
 from rtkit.wires.line import server_connection
 from rtkit.wires.line.client import LineClient, connect_tcp, connect_unix
+from rtkit.wires.line.server_connection import Connection
 from rtkit.wires.serve import ServedObject, serve
 
 _IDLE = '= <call state="idle"/>\n'
@@ -242,6 +244,22 @@ def test_who_hangs_up_is_forgotten(served: ServedObject) -> None:
         _until(lambda: not _workers())
     with connect_unix(served.socket, BOUND_S) as client:
         assert client.ask("speed").error == ""
+
+
+@pytest.mark.usefixtures("eager")
+def test_who_is_closed_while_attended_to_is_forgotten(served: ServedObject) -> None:
+    with connect_unix(served.socket, BOUND_S) as client:
+        _ask_on(client)
+        host = served._host
+        with host.lock:
+            handlers = [each for each in host._handlers.values() if isinstance(each, Connection)]
+            assert len(handlers) == 1
+            handlers[0].close()
+        with pytest.raises(Unreachable):
+            client.ask("speed")
+        _until(lambda: not _workers())
+    with connect_unix(served.socket, BOUND_S) as client:
+        _ask_on(client)
 
 
 def test_the_end_of_the_service_is_heard(place: str, service: Service) -> None:

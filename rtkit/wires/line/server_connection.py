@@ -226,7 +226,7 @@ class Connection(SocketClient):
         """See `IOHandler.flush`."""
         due = self.send_due(now, self._has_room, self._send_event)
         is_full = not self._has_room()  # and events wait, perhaps
-        if self._requests.waits:
+        if self._is_half:
             self._work()
         elif not self._send_out() or self._out or self._is_closing or is_full:
             self._send()
