@@ -68,8 +68,8 @@ class Terminals:
         try:
             component = self._host.component(instance)
         except NotFound:
-            why = "nobody can answer it before it is there: let it read when it is activated"
-            raise EOFError(f"{instance} reads from its terminal while it is made: {why}") from None
+            why = "nobody can answer it then: let it read while it is active"
+            raise EOFError(f"{instance} reads stdin while it is made, or ends: {why}") from None
         terminal = ComponentTerminal(
             instance,
             lambda: self._host.post(lambda: self._host.report(component)),

@@ -328,8 +328,9 @@ def _import_failure(error: BaseException, file: str) -> str:
             line = trace.tb_lineno
         trace = trace.tb_next
     from rtkit.extras import hint
+    from rtkit.openrtm.python2 import python2_hint
 
-    reason = f": {error}{hint(error)}" if str(error) else ""
+    reason = f": {error}{hint(error) or python2_hint(error, file)}" if str(error) else ""
     return f"module does not import: {type(error).__name__}{reason} ({file}:{line or 1})"
 
 

@@ -89,6 +89,12 @@ def is_python2_error(error: BaseException) -> str:
     return ""
 
 
+def python2_hint(error: BaseException, file: str) -> str:
+    """Return how a running source that is Python 2 is converted, with a colon before; else ""."""
+    what = is_python2_error(error)
+    return f": {what} is Python 2, which rtkit openrtm migrate {file} converts" if what else ""
+
+
 def _without_texts(text: str) -> str:
     """Return a source without comments, with empty texts; numbers of lines stay."""
 

@@ -39,7 +39,8 @@ def robot(commands: Commands) -> Iterator[Robot]:
 # Who may do what
 
 LOOKS = ("rtls -l AT", "rtls -R AT", "rtcat AT/ConsoleIn0.rtc",
-         "rtconf AT/ConsoleIn0.rtc", "rtget AT/ConsoleIn0.rtc.state")  # fmt: skip
+         "rtconf AT/ConsoleIn0.rtc", "rtget AT/ConsoleIn0.rtc.state",
+         "rtattach --show AT/ConsoleIn0.rtc")  # fmt: skip
 CHANGES = {
     "rtact AT/ConsoleIn0.rtc": "activate ConsoleIn0",
     "rtdeact AT/ConsoleIn0.rtc": "deactivate ConsoleIn0",
@@ -48,6 +49,7 @@ CHANGES = {
         "connect ConsoleIn0.out and ConsoleOut0.in",
     "rtdis -i c1 AT/ConsoleIn0.rtc:out": "disconnect c1",
 }  # fmt: skip
+TYPES = "rtattach -t 0.01 --send hunter2 AT/ConsoleIn0.rtc"
 MAKES = {
     "rtmgr -c 'ConsoleIn?instance_name=New&password=hunter2' AT/manager.mgr": "create ConsoleIn",
     "rtmgr -d New AT/manager.mgr": "delete New",
@@ -93,6 +95,21 @@ def test_what_is_done_and_denied_is_on_record(robot: Robot) -> None:
         ("owner1", "delete X at manager", "done"),
     ]
     assert {each["wire"] for each in lines} == {"tls"}
+    assert "hunter2" not in str(lines)
+
+
+def test_typing_at_a_terminal_takes_an_operator_and_what_is_typed_is_not_on_record(
+    robot: Robot,
+) -> None:
+    begun = len(robot.record()) if (robot.shell.folder / "robot.state/audit.jsonl").exists() else 0
+    denied = robot.by("anna", TYPES)
+    assert "denied: anna (viewer) may not type to ConsoleIn0: it takes operator" in denied.err
+    assert "ConsoleIn0 has not read it within 0.01 s: 8 bytes" in robot.by("bert", TYPES).err
+    lines = robot.record()[begun:]
+    assert [(each["name"], each["what"]) for each in lines] == [
+        ("anna", "type to ConsoleIn0 at manager"),
+        ("bert", "type to ConsoleIn0 at manager"),
+    ]
     assert "hunter2" not in str(lines)
 
 

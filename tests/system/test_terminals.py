@@ -311,8 +311,8 @@ def test_reading_while_it_is_made_is_refused_with_what_to_do(manager: Any) -> No
     manager.ok("rtmgr /localhost/manager.mgr -l Early.py:EarlyInit")
     outcome = manager.run("rtmgr /localhost/manager.mgr -c 'Early?manager_name=s'")
     assert outcome.status == 1
-    assert "reads from its terminal while it is made" in outcome.err
-    assert "let it read when it is activated" in outcome.err
+    assert "reads stdin while it is made, or ends" in outcome.err
+    assert "let it read while it is active" in outcome.err
 
 
 def test_a_component_that_runs_by_hand_or_is_none_is_refused(manager: Any) -> None:

@@ -98,7 +98,7 @@ class AttachedScreen:
         return True
 
     def _fit(self) -> None:
-        with suppress(Unreachable):  # it is told when something is typed
+        with suppress(RtkitError):  # it is told when something is typed
             size = os.get_terminal_size(self._screen)
             self._client.resize(size.lines, size.columns)
 

@@ -83,6 +83,9 @@ def test_a_batch_is_named_by_what_takes_most() -> None:
         ("@/restart", "forget", "administrator"),
         ("@/exec_cxt.periodic.rate", "10", "administrator"),
         ("@/batch", None, "viewer"),
+        ("@x/terminal", '{"instance": "A"}', "viewer"),
+        ("@x/terminal", '{"instance": "A", "input": "5"}', "operator"),
+        ("@x/terminal", '{"instance": "A", "size": [24, 80]}', "operator"),
     ],
 )
 def test_what_else_is_asked_takes_its_role(name: str, payload: str | None, role: str) -> None:
