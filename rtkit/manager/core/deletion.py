@@ -7,8 +7,10 @@ with everything else in it. Slaves that hold nothing any more end, too; at the e
 from __future__ import annotations
 
 import signal
-from collections.abc import Generator, Iterable
+from collections.abc import Collection, Generator, Iterable, Mapping
 from contextlib import suppress
+from functools import partial
+from itertools import pairwise
 from typing import Any
 
 from rtkit.deployment import actions as act
@@ -17,11 +19,13 @@ from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.effects import (
     Call,
     Effect,
+    Gather,
     Procedure,
     ReadClock,
     SendSignal,
     Sleep,
     WaitForEnds,
+    WaitUntil,
 )
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.registration import at_rest
@@ -166,7 +170,7 @@ def _slave(state: ManagerState, name: str) -> Process:
 
 
 FINALISE_S = 5.0
-"""Grace that all components together have to finalise, one after the other [s]."""
+"""Grace that all components together have to finalise [s]."""
 
 TERM_S = 2.0
 """Grace between TERM and KILL, and after KILL [s]."""
@@ -227,29 +231,71 @@ def _terminate(process: Process) -> Generator[SendSignal, None, None]:
 
 
 def stop_everything(state: ManagerState) -> Procedure:
-    """End all components in reverse order of their creation, then all slaves.
+    """End all components, then all slaves.
 
-    It never fails and never takes longer than its graces: components that did not come to their
-    turn are finalised by their own process when it is asked to end.
+    A component ends after those that were made later and are in its process, or connected with it;
+    all others end side by side (decision 93). It never fails and never takes longer than its
+    graces: components that did not come to their turn are finalised by their own process when it
+    is asked to end.
     """
     began: float = yield ReadClock()
-    silent: set[int] = set()
-    for instance in reversed(list(state.components)):
+    ranks = {instance: number for number, instance in enumerate(state.components)}
+    turns: dict[int, list[str]] = {}
+    for instance in reversed(ranks):
         process = state.process_of(instance)
-        now: float = yield ReadClock()
-        left_s = began + FINALISE_S - now
-        if left_s <= 0 or state.is_in_haste:
-            break
-        if process is None or not process.is_alive or process.key in silent:
-            continue
-        try:
-            yield Call(process, {"op": "delete", "instance": instance}, left_s, is_lasting=True)
-        except RtkitError:
-            silent.add(process.key)
-        else:
-            state.forget(instance)
-            if process.is_slave and not state.held_by(process.key):
-                yield from _terminate(process)  # it ends while others still finalise
+        if process is not None:
+            turns.setdefault(process.key, []).append(instance)
+    later, silent = _connected_later(state, ranks), set[int]()
+    yield Gather(
+        tuple(
+            _finalise_in_turn(state, state.processes[key], each, later, silent, began + FINALISE_S)
+            for key, each in turns.items()
+        )
+    )
     slaves = [p for p in state.processes.values() if p.is_slave and p.is_alive]
     yield from end_slaves(slaves, grace_s(state))
+    return Result()
+
+
+def _connected_later(state: ManagerState, ranks: Mapping[str, int]) -> dict[str, set[str]]:
+    """Return the components that are connected with each and were made after it."""
+    later: dict[str, set[str]] = {}
+    for connector in state.connectors.values():
+        ends = sorted(
+            {end.instance for end in connector.ports} & ranks.keys(), key=ranks.__getitem__
+        )
+        for first, second in pairwise(ends):
+            later.setdefault(first, set()).add(second)
+    return later
+
+
+def _finalise_in_turn(
+    state: ManagerState,
+    process: Process,
+    instances: Iterable[str],
+    later: Mapping[str, Collection[str]],
+    silent: set[int],
+    until: float,
+) -> Procedure:
+    """End the components of one process; in a process that is `silent` nothing is waited for."""
+
+    def may_end(others: Collection[str]) -> bool:
+        left = (state.process_of(each) for each in others)
+        busy = (each for each in left if each is not None and each.is_alive)
+        return state.is_in_haste or all(each.key in silent for each in busy)
+
+    for instance in instances:
+        yield WaitUntil(partial(may_end, later.get(instance, ())), "what it is connected with")
+        now: float = yield ReadClock()
+        if now >= until or state.is_in_haste or not process.is_alive:
+            return Result()
+        try:
+            message = {"op": "delete", "instance": instance}
+            yield Call(process, message, until - now, is_lasting=True)
+        except RtkitError:
+            silent.add(process.key)
+            return Result()
+        state.forget(instance)
+    if process.is_slave and not state.held_by(process.key):
+        yield from _terminate(process)  # it ends while others still finalise
     return Result()

@@ -298,3 +298,62 @@ def test_a_slave_that_outlives_its_kill_is_listed_again(shell):
     shell.wait(2 * TERM_S)
     assert (key, KILL) in shell.signals
     assert "s" in [each.name for each in shell.state.snapshot().processes]
+
+
+# the end of all
+
+
+def ending(shell):
+    """Return the components that are asked to end just now."""
+    assert {each.op for each in shell.calls} <= {"delete"}
+    return [each.message["instance"] for each in shell.calls]
+
+
+def ends(shell, instance):
+    (call,) = (each for each in shell.calls if each.message["instance"] == instance)
+    shell.calls.remove(call)
+    shell.say(call.key, gone=instance)
+    shell.reply(call)
+
+
+def test_at_the_end_each_process_ends_its_latest_component_first(shell):
+    for instance, slave in (("A", "s"), ("B", "t"), ("C", "s")):
+        shell.make(instance, slave)
+    shell.stop()
+    assert ending(shell) == ["C", "B"]
+    ends(shell, "C")
+    assert ending(shell) == ["B", "A"]
+    ends(shell, "A")
+    assert [number for _, number in shell.signals] == [TERM]
+
+
+@pytest.fixture
+def joined(shell):
+    """A in a slave, which is connected with B, that was made later in another one."""
+    shell.make("A", "s")
+    shell.make("B", "t")
+    shell.ask(Connect(wire("w")))
+    shell.serve()
+
+
+@pytest.mark.usefixtures("joined")
+def test_at_the_end_a_component_outlives_later_ones_that_it_is_connected_with(shell):
+    shell.stop()
+    assert ending(shell) == ["B"]
+    ends(shell, "B")
+    assert ending(shell) == ["A"]
+
+
+@pytest.mark.usefixtures("joined")
+def test_at_the_end_none_waits_for_a_process_that_fails_to_end_another(shell):
+    shell.stop()
+    shell.refuse(shell.next("delete"))
+    assert ending(shell) == ["A"]
+
+
+@pytest.mark.usefixtures("joined")
+def test_an_urgent_end_waits_for_no_component(shell):
+    shell.stop()
+    shell.feed(ev.StopRequested(is_urgent=True))
+    assert {number for _, number in shell.signals} == {KILL}
+    assert ending(shell) == ["B"]  # asked before; nobody waits for its answer
