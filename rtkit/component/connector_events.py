@@ -107,7 +107,7 @@ class ConnectorListeners:
         listeners = self._by_event.get(event)
         if not listeners:
             return value
-        before = current.set(self._owner(connector))
+        before = current.set(self.owner(connector))
         try:
             for listener in listeners:
                 value = self._call(listener, event, connector, value)
@@ -144,11 +144,12 @@ class ConnectorListeners:
         why = callbacks.describe_failure(error, listener)
         if why != self._failures.get(event):
             self._failures[event] = why
-            owner = self._owner(connector) or __name__
+            owner = self.owner(connector) or __name__
             text = "port %s: listener of %s failed: %s"
             logging.getLogger(owner).error(text, self._port, event, why, exc_info=error)
 
-    def _owner(self, connector: ConnectorProfile) -> str:
+    def owner(self, connector: ConnectorProfile) -> str:
+        """Return the name of the component at this end of a connector; empty where none is."""
         return connector.ports[self._end].instance if connector.ports else ""
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 from rtkit.component.any_port import Port
@@ -24,8 +24,11 @@ class DataPort(Port, Watchable[T]):
 
     Attributes:
         is_undecoded: Whether values of other processes stay octets, where they arrive.
+        announce: Called with instance name and ``listener`` before listeners are called because a
+            connector comes or goes, with two empty texts after that; None while nobody watches.
     """
 
+    announce: Callable[[str, str], object] | None = None
     is_undecoded = False
     _listeners: ConnectorListeners | None = None
 
@@ -107,8 +110,13 @@ class DataPort(Port, Watchable[T]):
 
     def _notify(self, event: ConnectorEvent, connector: ConnectorProfile | None) -> None:
         """Tell that a connector came or went; not under the lock, as listeners may use the port."""
-        if self._listeners is not None and connector is not None:
-            self._listeners.notify(event, connector)
+        if self._listeners is None or connector is None:
+            return
+        if self.announce is not None:
+            self.announce(self._listeners.owner(connector), "listener")
+        self._listeners.notify(event, connector)
+        if self.announce is not None:
+            self.announce("", "")
 
     def _enter(self, connector: ConnectorProfile) -> None:
         self._admit(connector.connector_id)

@@ -17,6 +17,7 @@ from rtkit import fault
 from rtkit.component import invocation
 from rtkit.component.any_port import Port
 from rtkit.component.base import Component
+from rtkit.component.data_port import DataPort
 from rtkit.component.invocation import CallRouting, CallTarget, Direct, Remote
 from rtkit.component.options import parse_options
 from rtkit.component.port import InPort, OutPort
@@ -309,6 +310,8 @@ class Connectors:
             raise NotFound(f"Port not found: {end}")
         if not isinstance(port, kind):
             raise Refused(WRONG_TYPE)
+        if isinstance(port, DataPort):
+            port.announce = self._host.announce
         return port
 
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit import fault
 from rtkit.component.base import Component
+from rtkit.component.config import nobody
 from rtkit.component.context import ExecutionContext
 from rtkit.component.current import current
 from rtkit.component.participant import DrivenComponent
@@ -79,7 +80,7 @@ class ComponentContainer:
         self._send = send
         self._component_factory = component_factory
         self._heartbeats: Heartbeats | None = None
-        self._own_slot: HeartbeatSlot | None = None
+        self.announce: Callable[[str, str], object] = nobody
         self._checkpoint_writer: CheckpointWriter | None = None
         self._slots: dict[tuple[str, str], HeartbeatSlot] = {}
         self.terminals = LazyTerminals(self, send)
@@ -114,7 +115,8 @@ class ComponentContainer:
 
     def show_heartbeats(self, heartbeats: Heartbeats) -> None:
         """Show in which callback each context of this process is, before there are any."""
-        self._heartbeats, self._own_slot = heartbeats, heartbeats.slot()
+        self._heartbeats, own_slot = heartbeats, heartbeats.slot()
+        self.announce = own_slot.watch if own_slot is not None else nobody
 
     def write_down(self, checkpoint_writer: CheckpointWriter) -> None:
         """Write a checkpoint of what is held, for when nobody here can report it."""
@@ -301,13 +303,11 @@ class ComponentContainer:
     def _watched(self, name: str, callback: str) -> Iterator[None]:
         """Name the component whose code runs on this thread, in a heartbeat and in logs."""
         before = current.set("" if callback == "import" else name)
-        if self._own_slot is not None:
-            self._own_slot.watch(name, callback)
+        self.announce(name, callback)
         try:
             yield
         finally:
-            if self._own_slot is not None:
-                self._own_slot.watch("", "")
+            self.announce("", "")
             current.reset(before)
 
     def _changed(self, component: DrivenComponent) -> None:

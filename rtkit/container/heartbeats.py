@@ -20,7 +20,7 @@ from rtkit.link.places import of_pid
 CALLBACKS = (
     "", "on_initialize", "on_finalize", "on_startup", "on_shutdown", "on_activated",
     "on_deactivated", "on_aborting", "on_error", "on_reset", "on_execute", "on_state_update",
-    "on_rate_changed", "on_action", "import", "creation",
+    "on_rate_changed", "on_action", "import", "creation", "listener",
 )  # fmt: skip
 _CODES = {name: code for code, name in enumerate(CALLBACKS)}
 _HEADER = struct.Struct("<I")
@@ -46,7 +46,7 @@ def guest_pattern(pattern: str) -> str:
 
 
 class Activity(NamedTuple):
-    """A callback, the import of a module, or the creation of a component that is under way.
+    """A callback, a listener, the import of a module, or a creation that is under way.
 
     Attributes:
         instance: Name of the component, or of the module.

@@ -20,7 +20,14 @@ Operations = Mapping[str, Callable[[Message], Any]]
 
 
 class ContainerServices(Protocol):
-    """Container as its operations see it; all on the container's thread but `post`."""
+    """Container as its operations see it; all on the container's thread but `post`.
+
+    Attributes:
+        announce: Names the component whose code runs on this thread, and what runs, for the
+            heartbeat of this thread; with two empty texts, nothing.
+    """
+
+    announce: Callable[[str, str], object]
 
     def post(self, work: Callable[[], object]) -> None:
         """Have something done on the container's thread, from any thread."""

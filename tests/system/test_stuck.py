@@ -15,7 +15,7 @@ STUCK = '''
 import ctypes
 import re
 import time
-from rtkit.component import Component, Parameter
+from rtkit.component import Component, ConnectorEvent, InPort, OutPort, Parameter, TimedLong
 
 
 class Stuck(Component):
@@ -23,13 +23,20 @@ class Stuck(Component):
 
     rate = 100.0
     how = Parameter("")
+    into = InPort(TimedLong)
+    out = OutPort(TimedLong)
 
     def on_initialize(self):
+        self.into.add_listener(ConnectorEvent.CONNECTED, self.on_connected)
         if self.options.get("when") == "initialize":
             time.sleep(60)
         if self.options.get("when") == "c_sleep":
             with open("slept", "w") as file:
                 print(ctypes.CDLL(None).usleep(900_000), file=file)
+
+    def on_connected(self, connector, value):
+        if connector.name == "slow":
+            time.sleep(60)
 
     def on_execute(self, context):
         if self.how == "sleep":
@@ -95,6 +102,16 @@ def test_a_creation_that_does_not_end_says_where_it_is(stuck: Any) -> None:
     assert (status, out) == (1, "")
     assert re.search(r"S is stuck in on_initialize since [\d:]{8} \(Stuck\.py:\d+ in on_init", err)
     assert "S.rtc" not in stuck.ok("rtls /localhost")
+
+
+def test_a_listener_that_does_not_end_says_where_it_is(stuck: Any) -> None:
+    stuck.ok(f"rtmgr {MANAGER} -c 'Stuck?instance_name=S&manager_name=s' -c Stuck")
+    stuck.ok("rtcon -n quick /localhost/Stuck0.rtc:out /localhost/S.rtc:into")
+    status, _, err = stuck.run(
+        "rtcon --timeout 2 -n slow /localhost/Stuck0.rtc:out /localhost/S.rtc:into"
+    )
+    assert status == 1
+    assert re.search(r"from s in time: S is stuck in listener since [\d:]{8} \(Stuck\.py:\d+", err)
 
 
 def test_another_command_says_what_it_waited_for(stuck: Any) -> None:

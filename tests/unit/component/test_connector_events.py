@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import queue
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -184,6 +185,42 @@ def test_between_processes_the_thread_that_takes_values_tells(told: Told, tmp_pa
     finally:
         other.close()
     assert sorted(told.events[2:]) == sorted([*TAKEN, "read"])
+
+
+def test_between_processes_nobody_has_to_read_and_who_waits_is_woken(told: Told, tmp_path):
+    other = PortWiring("localhost", LocalStreams(str(tmp_path / "t")))
+    wire = connector(buffer__read__empty_policy="block", buffer__read__timeout="30")
+    came = queue.SimpleQueue()
+    try:
+        endpoint = told.wiring.receive(wire, told.into)
+        other.send(wire, told.out, other.find_receiver(wire, endpoint))
+        told.into.add_listener(E.WRITTEN, lambda _made, value: came.put(value.data))
+        told.out.write(long(1))
+        assert came.get(timeout=30) == 1
+        assert told.into.read() == long(1)
+        reader = threading.Thread(target=lambda: came.put(told.into.read().data + 10))
+        reader.start()
+        told.out.write(long(2))
+        assert sorted(came.get(timeout=30) for _ in range(2)) == [2, 12]
+        reader.join()
+    finally:
+        other.close()
+
+
+def test_no_value_is_lost_while_listeners_come_and_go(told: Told):
+    told.join(buffer__length="100000", subscription_type="flush")
+    count, note = 3000, told.noting(E.RECEIVED)
+    writers = [
+        threading.Thread(target=lambda: [told.out.write(long(1)) for _ in range(count)])
+        for _ in range(2)
+    ]
+    for each in writers:
+        each.start()
+    while any(each.is_alive() for each in writers):
+        for port in (told.out, told.into):
+            port.add_listener(E.RECEIVED, note)
+            port.remove_listener(E.RECEIVED, note)
+    assert len(told.into.read_all()) == 2 * count
 
 
 @pytest.mark.parametrize("end", ["out", "into"])
