@@ -84,7 +84,7 @@ class Rounds:
         make: Sends the requests of a round; waits for no answer.
     """
 
-    def __init__(self, make: Callable[[SharedRequests], None]) -> None:
+    def __init__(self, make: Callable[[SharedRequests], object]) -> None:
         self._make = make
         self._lock, self._making = threading.Lock(), threading.Lock()
         self._next: SharedRequests | None = None

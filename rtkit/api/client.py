@@ -299,7 +299,9 @@ class Client(Closing):
             until = min(shared[0].sent_at + bound_s, latest)
         else:
             asked, places = RequestsAtOnce(asks), list(range(len(asks)))
-            self._make(asked, until)
+            owners = self._make(asked, until)
+            if len(owners) == len(asks) == 1:
+                owners[0].receive_here(asked.is_complete.is_set, until)
         if not asked.is_complete.wait(None if bound_s == inf else max(0.0, until - monotonic())):
             self._take_in()
         with self._host.lock:
@@ -314,8 +316,8 @@ class Client(Closing):
             self._host.post(has_looked.set)
             has_looked.wait(_LOOK_S)
 
-    def _make(self, asked: RequestsAtOnce, until: float = inf) -> None:
-        """Make requests; what cannot be sent is answered."""
+    def _make(self, asked: RequestsAtOnce, until: float = inf) -> list[Owner]:
+        """Make requests; what cannot be sent is answered. Return who was asked from here."""
         ready: list[tuple[Owner, str, Payload | None, Callable[[Answer], None]]] = []
         written: tuple[Any, Payload | None] = (UNSET, None)
         for place, ask in asked.asks.items():
@@ -336,6 +338,7 @@ class Client(Closing):
         with self._host.lock:
             for owner, target, payload, answer in ready:
                 owner.ask(target, payload, answer, until)
+        return [each[0] for each in ready]
 
     def _start(self) -> None:
         if self._is_started and not self._is_closed:

@@ -91,6 +91,11 @@ class Owner:
             dialling.start()
             self._dialling = dialling  # not before: who closes waits for it without the lock
 
+    def receive_here(self, is_answered: Callable[[], bool], until: float) -> None:
+        """Receive on this thread until its answer is here, where the wire lets it."""
+        if isinstance(self._connection, LineConnection):
+            self._connection.receive_here(is_answered, until)
+
     def _answered(self, connection: ProviderConnection, asked: _Waiting, reply: Answer) -> None:
         """Answer who asked over a wire that does not tell when the far side is gone."""
         if reply.error == "no-service" and self._connection is connection:

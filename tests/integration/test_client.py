@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from queue import SimpleQueue
 from time import monotonic
 
@@ -20,6 +21,7 @@ from rtkit.api.properties import PropertyChange
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer
 from rtkit.property.requests import UNDER_WAY, UnderWay
+from rtkit.wires.line.provider_connection import LineConnection
 from rtkit.wires.serve import ServedObject, serve
 
 _BOUND_S = 20.0
@@ -381,3 +383,49 @@ def test_an_owner_that_is_asked_after_its_end_begins_no_thread(place: str) -> No
     assert set(threading.enumerate()) <= set(before)
     assert [each.error for each in answers] == ["no-service"]
     assert _error(lambda: client._owners.find("localhost.services")) == "no-service"
+
+
+def test_who_asks_receives_the_answer_itself(
+    light: ServedObject, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    receivers: list[int] = []
+    receive = LineConnection._receive
+
+    def noted(connection: LineConnection) -> None:
+        receivers.append(threading.get_ident())
+        receive(connection)
+
+    monkeypatch.setattr(LineConnection, "_receive", noted)
+    with rtkit.Client(_BOUND_S) as client:
+        until = monotonic() + _BOUND_S
+        while threading.get_ident() not in receivers:  # unless the answer was here by then
+            assert client.get("house/light.level") == 0.5
+            assert monotonic() < until
+
+
+def test_two_threads_that_wait_each_get_their_own_answer(light: ServedObject) -> None:
+    with rtkit.Client(_BOUND_S) as client, ThreadPoolExecutor(4) as pool:
+        slow = pool.submit(client.get, "house/light.slow")
+        others = [pool.submit(client.get, f"house/light.{name}") for name in ("level", "name")]
+        assert [each.result(_BOUND_S) for each in others] == [0.5, "lamp"]
+        assert not slow.done()
+        client.call("house/light.go")
+        assert slow.result(_BOUND_S) == 1
+        assert client.get("house/light.level") == 0.5
+
+
+@pytest.mark.parametrize("ends", ["client", "owner"])
+def test_who_waits_hears_of_the_end(light: ServedObject, ends: str) -> None:
+    client = rtkit.Client(3600.0)
+    with client, ThreadPoolExecutor(1) as pool:
+        client.get("house/light.level")
+        waiting = pool.submit(client.get, "house/light.slow")
+        connection = next(iter(client._owners._owners.values()))._connection
+        assert isinstance(connection, LineConnection)
+        until = monotonic() + _BOUND_S
+        while not connection._is_lent:
+            assert monotonic() < until
+        (client if ends == "client" else light).close()
+        with pytest.raises(PropertyError) as caught:
+            waiting.result(_BOUND_S)
+        assert caught.value.code == "no-service"

@@ -6,8 +6,11 @@ import itertools
 import select
 import socket
 from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from math import inf
+from time import monotonic
 
 from rtkit.link.deadline import with_deadline
 from rtkit.property.codes import PropertyError
@@ -55,7 +58,7 @@ class LineConnection(ProviderConnection, IOHandler):
         self._in_turn: deque[Answering] = deque()
         self._by_id: dict[str, deque[Answering]] = {}
         self._silence = Keepalive()
-        self._is_stuck = False
+        self._is_stuck = self._is_lent = False
 
     # Contact
 
@@ -118,8 +121,11 @@ class LineConnection(ProviderConnection, IOHandler):
         """See `IOHandler.ready`."""
         if mask & select.EPOLLOUT:
             self._send()
-        if not self._is_open or not mask & ~select.EPOLLOUT:
-            return
+        if self._is_open and mask & ~select.EPOLLOUT and not self._is_lent:
+            self._receive()
+
+    def _receive(self) -> None:
+        """Take what has arrived."""
         try:
             data = self._end.recv(_PIECE)
         except BlockingIOError:
@@ -143,6 +149,47 @@ class LineConnection(ProviderConnection, IOHandler):
     def flush(self, now: float) -> float | None:
         """See `IOHandler.flush`: what waits goes when the owner takes it."""
         return None
+
+    # A thread that waits for an answer
+
+    def receive_here(self, is_answered: Callable[[], bool], until: float) -> None:
+        """Receive on this thread until its answer is here, or its time over; without the lock.
+
+        Decision 92: the loop would have to wake first, and then this thread. One thread does so at
+        a time; it takes the answers of others as well, and lets the loop receive when it is done.
+
+        Args:
+            is_answered: Whether what the thread waits for has come.
+            until: When it waits no longer, by the monotonic clock [s].
+        """
+        poll = select.poll()
+        with self._host.lock:
+            if not self._lend():
+                return
+            poll.register(self._end, select.POLLIN)
+        try:
+            while not is_answered() and (left_s := until - monotonic()) > 0:
+                poll.poll(None if left_s == inf else left_s * 1000)
+                with self._host.lock:
+                    if self._is_open:
+                        self._receive()
+        finally:
+            with self._host.lock:
+                self._is_lent = False
+                if self._is_open:
+                    self._await_owner()
+
+    def _lend(self) -> bool:
+        """Let a thread receive in place of the loop; return whether it may."""
+        is_plain = type(self._end) is socket.socket  # TLS has bytes that no poll tells of
+        if self._is_lent or not (is_plain and self._is_open and self._is_waited_for):
+            return False
+        self._is_lent = True
+        self._await_owner()
+        return True
+
+    def _await_owner(self) -> None:
+        self._host.await_room(self._end, reads=not self._is_lent, writes=self._is_stuck)
 
     # Its own
 
@@ -178,7 +225,7 @@ class LineConnection(ProviderConnection, IOHandler):
             return  # whatever it said before it hung up is read first, then the end
         if bool(self._out) is not self._is_stuck:
             self._is_stuck = bool(self._out)
-            self._host.await_room(self._end, reads=True, writes=self._is_stuck)
+            self._await_owner()
 
     def _take_callers(self) -> list[Answering]:
         callers = [*self._in_turn, *itertools.chain(*self._by_id.values())]
@@ -188,5 +235,8 @@ class LineConnection(ProviderConnection, IOHandler):
 
     def _release(self) -> None:
         self._host.unregister(self._end, self)
+        if self._is_lent:
+            with suppress(OSError):  # whoever receives here wakes; unless the owner was quicker
+                self._end.shutdown(socket.SHUT_RDWR)
         self._end.close()
         self._subscriptions.clear()
