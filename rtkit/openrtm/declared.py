@@ -23,6 +23,7 @@ from rtkit.idl.model import (
     EnumValue,
     InterfaceDeclaration,
     Named,
+    Opaque,
     Path,
     StructDeclaration,
     Typedef,
@@ -129,6 +130,8 @@ class Declarations:
         from rtkit.openrtm.lazy_module import LazyModule
 
         if not any(each[: len(path)] == path for each in self.definitions.by_path):
+            if self._failures:
+                raise AttributeError(f"{'.'.join(path)} is not there: {'; '.join(self._failures)}")
             raise KeyError(path[-1])
         find = self.servant if is_servants else self.value
         return LazyModule(".".join(path), lambda n: find((*path, n)), lambda: self.names(path))
@@ -146,15 +149,23 @@ class Declarations:
         self._failures: list[str] = []
         for file in self._files:
             try:
-                text = self._read(file).decode("utf-8", "replace")
-                read = read_idl(text, file, self._included, KNOWN)
-            except InvalidDocument as error:
+                read = self._declared_in(file)
+            except (InvalidDocument, SyntaxError) as error:
                 self._failures.append(str(error))
                 continue
             for path, declared in read.by_path.items():
-                merged.setdefault(path, declared)
+                if path not in merged or isinstance(merged[path], Opaque):
+                    merged[path] = declared
             missing += read.missing
         return Definitions(merged, tuple(missing))
+
+    def _declared_in(self, file: str) -> Definitions:
+        text = self._read(file).decode("utf-8", "replace")
+        if file.endswith(".py"):
+            from rtkit.openrtm.stubs import read_stub
+
+            return read_stub(text, file)
+        return read_idl(text, file, self._included, KNOWN)
 
     def _included(self, name: str, including: str) -> tuple[str, str] | None:
         base = os.path.basename(name)

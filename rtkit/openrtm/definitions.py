@@ -15,9 +15,11 @@ from types import ModuleType
 from typing import Any
 
 from rtkit.component.standard import find as find_standard
+from rtkit.openrtm.generated import GENERATED, opened_modules
 from rtkit.openrtm.lazy_module import LazyModule
 
 _STUB, _SERVANTS, _GLOBAL = "_idl", "__POA", "_GlobalIDL"
+_GENERATED = "_idl.py"
 _MODULE = re.compile(rb"^[ \t}]*module\s+(\w+)", re.MULTILINE)
 _OWN_FOLDER = "idl"
 Read = Callable[[str], bytes]
@@ -36,8 +38,7 @@ class FolderDefinitions:
             return self._standard(name)
         if not self._files or "." in name:
             return None
-        stem = name.removesuffix(_STUB)
-        if stem != name and f"{stem}.idl".lower() in self._by_name:
+        if name.endswith(_STUB) and self._declares(name.removesuffix(_STUB)):
             return LazyModule(name, self._missing)
         scope = name.removesuffix(_SERVANTS)
         if scope != _GLOBAL and scope not in self._scopes:
@@ -84,25 +85,28 @@ class FolderDefinitions:
 
         return Declarations(self._files, self._read)
 
-    @cached_property
-    def _files(self) -> list[str]:
-        beside = os.path.join(os.path.dirname(self._path), _OWN_FOLDER)
-        folders = [self._path, *_inner(self._path), beside]
-        return [file for folder in dict.fromkeys(folders) for file in _idl_files(folder)]
+    def _declares(self, stem: str) -> bool:
+        names = {os.path.basename(file).lower() for file in self._files}
+        return f"{stem}.idl".lower() in names or f"{stem}{_GENERATED}".lower() in names
 
     @cached_property
-    def _by_name(self) -> set[str]:
-        return {os.path.basename(file).lower() for file in self._files}
+    def _files(self) -> list[str]:
+        """IDL files, then what omniidl generated of files that are not there."""
+        beside = os.path.join(os.path.dirname(self._path), _OWN_FOLDER)
+        folders = dict.fromkeys([self._path, *_inner(self._path), beside])
+        found = [file for folder in folders for file in _files_in(folder, ".idl")]
+        stems = {os.path.basename(file)[:-4].lower() for file in found}
+        generated = [
+            file
+            for file in _files_in(self._path, _GENERATED)
+            if os.path.basename(file).removesuffix(_GENERATED).lower() not in stems
+        ]
+        return found + [file for file in generated if GENERATED in self._read(file)[:100]]
 
     @cached_property
     def _scopes(self) -> set[str]:
         """The modules that the files open, found without reading them as IDL."""
-        return {
-            name.decode()
-            for file in self._files
-            for name in _MODULE.findall(self._read(file))
-            if not (name == b"RTC" and _is_standard_only(self._read(file)))
-        }
+        return {name for file in self._files for name in _opened(file, self._read(file))}
 
 
 def _inner(folder: str) -> list[str]:
@@ -112,12 +116,22 @@ def _inner(folder: str) -> list[str]:
         )
 
 
-def _idl_files(folder: str) -> Iterator[str]:
+def _opened(file: str, text: bytes) -> Iterator[str]:
+    """Yield the modules that a file adds something to."""
+    if file.endswith(_GENERATED):
+        yield from opened_modules(text)
+        return
+    for name in _MODULE.findall(text):
+        if name != b"RTC" or not _is_standard_only(text):
+            yield name.decode()
+
+
+def _files_in(folder: str, ending: str) -> Iterator[str]:
     try:
         names = sorted(os.listdir(folder))
     except OSError:
         return
-    yield from (os.path.join(folder, n) for n in names if n.lower().endswith(".idl"))
+    yield from (os.path.join(folder, n) for n in names if n.lower().endswith(ending))
 
 
 _STRUCT_NAME = re.compile(rb"\b(?:struct|enum|interface|union|exception)\s+(\w+)")
