@@ -17,7 +17,7 @@ from rtkit.cli.data.arguments import specified
 from rtkit.cli.shared import stdout_reader
 from rtkit.cli.shared.app import App
 from rtkit.cli.shared.progress import Show, metered
-from rtkit.cli.shared.signals import held_back, waking_main
+from rtkit.cli.shared.signals import SteadyWork, waking_main
 from rtkit.errors import Refused
 from rtkit.link.atomic import STDOUT
 
@@ -62,12 +62,11 @@ def record(
     types = {each.name: _type(app, each) for each in streams}
     warn = partial(_not_recorded, app)
     refused = warn if is_patient else None
-    # A pipe may be full for ever, so there a signal ends a write.
-    steady = nullcontext if name == STDOUT else partial(held_back, signal.SIGINT, signal.SIGTERM)
     with (
         waking_main(),
         _ended_in_order(),
         opened(name, form) as file,
+        _steady(name) as steady,
         _sink(form, file) as sink,
         reading(
             app.tree, "rtlog_recorder", streams, lossless=is_lossless, refused=refused
@@ -180,6 +179,19 @@ def _ended_in_order() -> Iterator[None]:
 
 
 @contextmanager
+def _steady(name: str) -> Iterator[AbstractContextManager[None]]:
+    """Yield what is to hold signals back for the time of a write."""
+    if name == STDOUT:
+        yield nullcontext()  # a pipe may be full for ever, so there a signal ends a write
+        return
+    work = SteadyWork(signal.SIGINT, signal.SIGTERM)
+    try:
+        yield work
+    finally:
+        work.close()
+
+
+@contextmanager
 def opened(name: str, form: str) -> Iterator[IO[bytes]]:
     """Open a new file, or stdout for ``-``.
 
@@ -280,7 +292,7 @@ def _take(
     limit: _Limit,
     stamps: Mapping[str, Stamp],
     show: Show,
-    steady: Callable[[], AbstractContextManager[None]],
+    steady: AbstractContextManager[None],
 ) -> None:
     """Write arrivals until the limit, and flush the file's buffer when that is due."""
     from rtkit.recording.entries import RecordedValue
@@ -291,7 +303,7 @@ def _take(
             break
         if limit.count is not None:
             piece = piece[: limit.count - sink.count]
-        with steady():
+        with steady:
             for arrival in piece:
                 stamp = stamps[arrival.stream](arrival.payload) or arrival.time_ns
                 sink.write(RecordedValue(arrival.stream, stamp, arrival.time_ns, arrival.payload))

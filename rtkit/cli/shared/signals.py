@@ -8,6 +8,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from queue import Empty, SimpleQueue
+from types import FrameType
 
 _NUDGE = signal.SIGURG
 _AGAIN_S = 0.05
@@ -53,18 +54,44 @@ def waking_main() -> Iterator[None]:
         signal.signal(_NUDGE, former)
 
 
-@contextmanager
-def held_back(*numbers: int) -> Iterator[None]:
-    """Deliver signals that come during the body at its end, so that none ends it half-way."""
-    came: list[int] = []
-    former = {each: signal.signal(each, lambda number, _: came.append(number)) for each in numbers}
-    try:
-        yield
-    finally:
-        for number, handler in former.items():
-            signal.signal(number, handler)
-        for number in came:
-            signal.raise_signal(number)
+class SteadyWork:
+    """Work that signals do not end half-way: use as a context manager for each piece of it.
+
+    A signal that comes within a piece is delivered at its end, others at once, each to the handler
+    that there was. A signal that is ignored, or ends the process, stays so.
+
+    Args:
+        numbers: Of the signals.
+    """
+
+    def __init__(self, *numbers: int) -> None:
+        self._came: list[int] = []
+        self._is_at_work = False
+        self._handlers = {each: signal.getsignal(each) for each in numbers}
+        for number, handler in self._handlers.items():
+            if callable(handler):
+                signal.signal(number, self._take)
+
+    def _take(self, number: int, frame: FrameType | None) -> None:
+        handler = self._handlers[number]
+        if self._is_at_work:
+            self._came.append(number)
+        elif callable(handler):
+            handler(number, frame)
+
+    def __enter__(self) -> None:
+        self._is_at_work = True
+
+    def __exit__(self, *error: object) -> None:
+        self._is_at_work = False
+        while self._came:
+            signal.raise_signal(self._came.pop(0))
+
+    def close(self) -> None:
+        """Put the handlers back, but for those that were changed meanwhile."""
+        for number, handler in self._handlers.items():
+            if signal.getsignal(number) == self._take:
+                signal.signal(number, handler)
 
 
 class End:
