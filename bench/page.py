@@ -33,10 +33,15 @@ def _cells(row: Row | Missing) -> tuple[str, ...]:
 
 def write(file: Path, rows: Sequence[Row | Missing], load: float, placement: str) -> None:
     """Put what was measured between the marks of a page."""
-    before, _, rest = file.read_text(encoding="utf-8").partition(BEGIN)
-    _, found, after = rest.partition(END)
-    if not found:
-        raise ValueError(f"{file}: there is no place between {BEGIN.strip()} and {END.strip()}")
     day = datetime.datetime.now(tz=datetime.UTC).date().isoformat()
-    text = section(rows, load, placement, day)
-    file.write_text(f"{before}{BEGIN}{text}{END}{after}", encoding="utf-8")
+    put(file, "bench", section(rows, load, placement, day))
+
+
+def put(file: Path, name: str, text: str) -> None:
+    """Put a text between the marks of a name."""
+    begin, end = f"<!-- {name}: begin -->\n", f"<!-- {name}: end -->\n"
+    before, _, rest = file.read_text(encoding="utf-8").partition(begin)
+    _, found, after = rest.partition(end)
+    if not found:
+        raise ValueError(f"{file}: there is no place between {begin.strip()} and {end.strip()}")
+    file.write_text(f"{before}{begin}{text}{end}{after}", encoding="utf-8")

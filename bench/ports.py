@@ -31,7 +31,7 @@ _ROUNDS = 3
 _SETS = 7
 _EXTRA_S = 15.0
 _CALLS = 20_000
-_COMPONENTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "components")
+COMPONENTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "components")
 _CALL_IS = "a method that calls a list of one callback"
 _RAW_IS = "the same octets between two processes"
 _WAITING = {
@@ -119,10 +119,10 @@ def round_trip(trip: Trip, floor: Floor, processors: Sequence[int]) -> Measured:
     def in_fresh_processes() -> Pair:
         with (
             tempfile.TemporaryDirectory(prefix="rtb") as folder,
-            manager(_COMPONENTS) as tree,
+            manager(COMPONENTS) as tree,
             floor(folder, trip) as (bare, bare_pids),
         ):
-            ours = _ping(tree, trip, os.path.join(folder, "median"))
+            ours = ping(tree, trip, os.path.join(folder, "median"))
             ours(), bare()  # a warm-up, after which all threads are there
             pids = {process.name: process.pid for process in tree.snapshot().processes}
             for ends in (pids["p"], pids["e"]), bare_pids:
@@ -165,7 +165,7 @@ def _each_us(check: Callable[[], object], names: dict[str, object], call: str) -
     return timeit.timeit(call, globals=names, number=_CALLS) / _CALLS * 1e6
 
 
-def _ping(tree: Tree, trip: Trip, result: str) -> Callable[[], float]:
+def ping(tree: Tree, trip: Trip, result: str) -> Callable[[], float]:
     there = PortRef("P", "out"), PortRef("E", "into")
     back = PortRef("E", "out"), PortRef("P", "back")
     _do(

@@ -73,6 +73,16 @@ def parent(pid: int) -> int:
         return int(file.read().rpartition(")")[2].split()[1])
 
 
+def children(pid: int) -> list[int]:
+    """Return the processes whose parent is another."""
+    found = []
+    for name in filter(str.isdecimal, os.listdir("/proc")):
+        with suppress(OSError):
+            if parent(int(name)) == pid:
+                found.append(int(name))
+    return found
+
+
 def living(pids: Iterable[int]) -> list[int]:
     """Return those that are there and not just waited for."""
     found = []
