@@ -59,6 +59,7 @@ TOPICS: dict[str, dict[str, str]] = {
         "rtopenrtm": "Work with components written for OpenRTM-aist-Python.",
     },
     "openrtm.words": {
+        "convert": "Write the native equivalent of a component for OpenRTM-aist-Python.",
         "migrate": "Convert Python 2 sources to Python 3, with what they import from beside them.",
     },
     "packages": {

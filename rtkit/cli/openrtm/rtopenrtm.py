@@ -7,15 +7,17 @@ from rtkit.cli.shared.group import group
 _HELP = """Work with components written for OpenRTM-aist-Python.
 
 Sources that mix tabs and spaces are mended when they are loaded, and nothing is written. Those
-that are Python 2 are converted once, by migrate.
+that are Python 2 are made Python 3 once, by migrate. They run as they are, then; convert writes a
+native component that does the same.
 """
 
 main = group(
     "rtopenrtm",
     _HELP,
-    ["migrate"],
+    ["migrate", "convert"],
     examples=(
         ("rtopenrtm migrate --dry-run ConsoleIn.py", "What would change from Python 2 to 3?"),
         ("rtopenrtm migrate ConsoleIn.py", "Convert it, with the files that it imports."),
+        ("rtopenrtm convert ConsoleIn.py -o In.py", "Write a native component that does the same."),
     ),
 )

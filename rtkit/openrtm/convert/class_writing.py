@@ -7,6 +7,7 @@ import re
 import textwrap
 from collections.abc import Iterator
 
+from rtkit.openrtm.convert.bytes_for_text import mark_bytes
 from rtkit.openrtm.convert.component_model import (
     OldComponent,
     OldParameter,
@@ -17,6 +18,7 @@ from rtkit.openrtm.convert.component_model import (
 from rtkit.openrtm.convert.data_plans import INLINE, LOCAL, DataPlan, plan_of
 from rtkit.openrtm.convert.draft import API, ModuleDraft
 from rtkit.openrtm.convert.expressions import ExpressionWriter
+from rtkit.openrtm.convert.line_breaks import laid_out
 from rtkit.openrtm.convert.naming import CALLBACKS, choose_names, rename_collisions
 from rtkit.openrtm.convert.parameters import read_parameters
 from rtkit.openrtm.convert.reading import ADDS, PREPARING, is_call_of_method, written_port
@@ -26,6 +28,7 @@ from rtkit.openrtm.convert.values import initial_of, written_value
 _BASE = f"{API}.DataFlowComponentBase"
 _OK = "RTC.RTC_OK"
 _WIDE = 99
+_PURE = frozenset({"abs", "bool", "float", "int", "len", "list", "max", "min", "round", "str"})
 
 
 def write_class(draft: ModuleDraft, component: OldComponent) -> None:
@@ -36,6 +39,7 @@ def write_class(draft: ModuleDraft, component: OldComponent) -> None:
     plans = {name: plan_of(draft, component, each) for name, each in component.data.items()}
     types = ValueTypes(draft, component)
     _find_lists(draft, component, types)
+    mark_bytes(draft, component, plans)
     docs = _take_docs(draft, component)
     _remove_setup(draft, component, plans)
     writer = ExpressionWriter(draft, component, plans, types)
@@ -98,7 +102,8 @@ def _remove_setup(draft: ModuleDraft, component: OldComponent, plans: dict[str, 
             if plan.way in (INLINE, LOCAL):
                 source.remove(statement)
         for store in plan.unused_stores():
-            source.remove(store)
+            if _is_pure(store.value):
+                source.remove(store)
         if not any(path[:1] == ("tm",) or not path for path in plan.leaves):
             for stamp in plan.data.stamps:
                 source.remove(stamp)
@@ -118,6 +123,12 @@ def _descriptor_statements(draft: ModuleDraft, component: OldComponent) -> Itera
             ]
             if all(isinstance(draft.source.parent(each), ast.Starred) for each in uses):
                 yield node
+
+
+def _is_pure(node: ast.expr) -> bool:
+    """Return whether an expression does nothing but give a value."""
+    calls = (each.func for each in ast.walk(node) if isinstance(each, ast.Call))
+    return all(isinstance(each, ast.Name) and each.id in _PURE for each in calls)
 
 
 def _calls_base(draft: ModuleDraft, node: ast.expr | None) -> bool:
@@ -170,7 +181,8 @@ def _write_data(draft: ModuleDraft, plan: DataPlan) -> None:
     if plan.way not in (INLINE, LOCAL):
         for statement in plan.data.made_at:
             lines = [
-                f"{text} = {initial_of(draft, plan, leaf)}" for leaf, text in plan.leaves.items()
+                f"{text} = {initial_of(draft, plan, leaf, keeps_literals=True)}"
+                for leaf, text in plan.leaves.items()
             ]
             source.replace(statement, f"\n{source.indent(statement)}".join(lines))
     for stamp in plan.data.stamps:
@@ -185,6 +197,9 @@ def _write_data(draft: ModuleDraft, plan: DataPlan) -> None:
             source.replace(stamp, f"{name} = {now}")
         else:
             draft.mark(stamp, "only a part of the time stamp is set elsewhere")
+    for store in plan.unused_stores():
+        if not source.is_removed(store):
+            source.replace(store, source.render(store.value))
     for call, port in plan.data.writes:
         texts = dict(plan.leaves)
         run = plan.runs[call]
@@ -194,16 +209,10 @@ def _write_data(draft: ModuleDraft, plan: DataPlan) -> None:
                 source.remove(each)
         value = written_value(draft, plan, texts)
         source.replace(
-            call, _call(f"self.{port.native}.write", value, source.indent(source.statement(call)))
+            call,
+            laid_out(f"self.{port.native}.write({value})", source.indent(source.statement(call))),
         )
         _check_result(draft, call)
-
-
-def _call(function: str, value: str, indent: str) -> str:
-    text = f"{function}({value})"
-    if len(indent) + len(text) <= _WIDE or "\n" in value:
-        return text
-    return f"{function}(\n{indent}    {value}\n{indent})"
 
 
 def _check_result(draft: ModuleDraft, call: ast.Call) -> None:
@@ -267,7 +276,7 @@ def _write_context(
     draft: ModuleDraft, method: ast.FunctionDef, argument: ast.arg, native: str
 ) -> None:
     if native in ("on_initialize", "on_finalize"):
-        draft.mark(method, f"{native} takes no argument")
+        _drop_argument(draft, method, argument)
         return
     draft.source.replace(argument, "context: str")
     for node in ast.walk(method):
@@ -314,11 +323,9 @@ def _write_setup(draft: ModuleDraft, component: OldComponent) -> None:
             source.remove(made.body[-1])
     elif made is not None:
         if kept and prepared is not None:
-            body = textwrap.dedent(_without_return(source.body_text(made)))
-            indent = source.indent(prepared.body[0])
-            first = next(iter(_kept(draft, prepared)))
-            lines = textwrap.indent(body, indent).rstrip().splitlines()
-            source.insert_before(first, [each[len(indent) :] for each in lines], is_first=True)
+            body = _without_return(source.body_text(made))
+            shift = len(source.indent(prepared.body[0])) - len(source.indent(made.body[0]))
+            source.insert_text(next(iter(_kept(draft, prepared))), _shifted(body, shift))
         source.remove(made)
     for method in component.methods:
         if method.name in CALLBACKS and not _kept(draft, method) and not source.is_removed(method):
@@ -332,7 +339,14 @@ def _drop_argument(draft: ModuleDraft, method: ast.FunctionDef, argument: ast.ar
     for node in ast.walk(method):
         is_used = isinstance(node, ast.Name) and node.id == argument.arg
         if is_used and not draft.source.is_removed(node):
-            draft.mark(node, "a native component has no manager object")
+            draft.mark(node, f"a native component has no {argument.arg} here")
+
+
+def _shifted(text: str, columns: int) -> str:
+    """Return lines further to the right, or to the left as far as they can go."""
+    if columns >= 0:
+        return textwrap.indent(text, " " * columns)
+    return re.sub(rf"(?m)^ {{1,{-columns}}}", "", text)
 
 
 def _without_return(body: str) -> str:

@@ -45,7 +45,8 @@ class OldParameter:
         attribute: Of the old component, a list of one value; empty where it is not bound.
         default: The value as Python source.
         extras: Further arguments of the native declaration, by name.
-        is_list: Its value is a list there, a tuple in the native component.
+        is_list: Its value is a list of numbers there, a tuple in the native component.
+        is_words: Its value is a list of texts there, one text with commas in the native one.
     """
 
     attribute: str
@@ -53,7 +54,14 @@ class OldParameter:
     default: str
     extras: dict[str, str] = field(default_factory=dict)
     is_list: bool = False
+    is_words: bool = False
     native: str = ""
+
+    @property
+    def value(self) -> str:
+        """The expression of its value."""
+        read = f"self.{self.native}"
+        return f'[each.strip() for each in {read}.split(",")]' if self.is_words else read
 
 
 class PartUse(NamedTuple):

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import ast
 import os
+from tokenize import TokenError
 from typing import NamedTuple
 
-from rtkit.errors import Refused
+from rtkit.errors import Malformed, Refused
+from rtkit.openrtm.conversion import converted
 from rtkit.openrtm.convert.class_writing import write_class
+from rtkit.openrtm.convert.component_model import OldComponent
 from rtkit.openrtm.convert.draft import API, HandWork, ModuleDraft
+from rtkit.openrtm.convert.edits import parsed
 from rtkit.openrtm.convert.finishing import (
     reindented,
     with_even_gaps,
@@ -31,6 +35,7 @@ class Conversion(NamedTuple):
         components: Names of its component classes.
         ports: How many data ports were declared.
         parameters: How many parameters were declared.
+        remarks: What a person should look at where the old source was Python 2, by line.
     """
 
     text: str
@@ -38,6 +43,7 @@ class Conversion(NamedTuple):
     components: tuple[str, ...]
     ports: int
     parameters: int
+    remarks: tuple[tuple[int, str], ...] = ()
 
 
 def convert(source: bytes, file: str) -> Conversion:
@@ -48,12 +54,13 @@ def convert(source: bytes, file: str) -> Conversion:
         file: Its name, for errors; modules and IDL stubs are looked for beside it.
 
     Raises:
-        Refused: It has no component; or is Python 2 that cannot be mended.
-        SyntaxError: It is Python of no version.
+        Refused: It has no component; or it is Python 2, and what converts that is not installed.
+        Malformed: It is Python of no version.
     """
-    folder = os.path.dirname(file)
-    text = _prepared(source, file)
-    draft = ModuleDraft(text, folder)
+    migrated = converted(source, file)
+    remarks = tuple((each.line, each.text) for each in migrated.remarks) if migrated else ()
+    text = _prepared(migrated.data if migrated else source, file)
+    draft = ModuleDraft(text, os.path.dirname(file))
     components = read_components(draft)
     if not components:
         raise Refused(f"{file} has no component: no class derives from {API}.DataFlowComponentBase")
@@ -63,34 +70,34 @@ def convert(source: bytes, file: str) -> Conversion:
     write_outside(draft, components)
     write_module(draft, components)
     mark_foreign(draft, components)
-    converted = draft.source.result()
-    converted = with_even_gaps(
-        _finished(
-            draft, converted, folder, [each.spec.get("description", "") for each in components]
-        )
-    )
-    ast.parse(converted)
     return Conversion(
-        converted,
+        _finished(draft, file, components),
         tuple(sorted(draft.marks)),
         tuple(each.node.name for each in components),
         sum(len(each.ports) for each in components),
         sum(len(each.parameters) + len(each.unbound) for each in components),
+        remarks,
     )
 
 
 def _prepared(source: bytes, file: str) -> str:
-    """Return a source as Python 3 with blanks for tabs."""
+    """Return a source with blanks for tabs, and with usual ends of lines."""
     read = read_source(mended(source, file))
     text = with_spaces(read.text.replace("\r\n", "\n").replace("\r", "\n"))
     return text.lstrip("\ufeff").rstrip() + "\n"
 
 
-def _finished(draft: ModuleDraft, text: str, folder: str, descriptions: list[str]) -> str:
-    text = reindented(text)
-    text = without_generated_comments(text)
-    text = without_generated_docstrings(text, descriptions)
-    return with_imports(draft, text, folder)
+def _finished(draft: ModuleDraft, file: str, components: list[OldComponent]) -> str:
+    descriptions = [each.spec.get("description", "") for each in components]
+    try:
+        text = reindented(draft.source.result())
+        text = without_generated_comments(text)
+        text = without_generated_docstrings(text, descriptions)
+        text = with_even_gaps(with_imports(draft, text, os.path.dirname(file)))
+        parsed(text)  # a mistake of ours shows here, not where the module is loaded
+    except (SyntaxError, TokenError) as error:
+        raise Malformed(f"{file} cannot be converted: its result is no Python: {error}") from error
+    return text
 
 
 def _remove_specs(draft: ModuleDraft) -> None:

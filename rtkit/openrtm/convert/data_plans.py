@@ -37,7 +37,7 @@ class DataPlan:
     stores: dict[int, ast.Assign] = field(default_factory=dict)
 
     def unused_stores(self) -> list[ast.Assign]:
-        """Return the statements that set parts nobody looks at or writes, and do nothing else."""
+        """Return the statements that set parts nobody looks at or writes."""
         if self.way != LOCAL or self.data.writes:
             return []
         found = []
@@ -47,9 +47,7 @@ class DataPlan:
                 found += [
                     self.stores[id(each.node)] for each in used if id(each.node) in self.stores
                 ]
-        return [
-            each for each in found if not any(isinstance(n, ast.Call) for n in ast.walk(each.value))
-        ]
+        return found
 
     def leaf_of(self, path: Path) -> Path:
         """Return the part that a path leads to, or into."""
@@ -77,7 +75,7 @@ def plan_of(draft: ModuleDraft, component: OldComponent, data: BoundData) -> Dat
             plan.stores[id(access.node)] = statement
     if _is_inline(plan):
         plan.way = INLINE
-    elif _is_local(draft, component, plan):
+    elif not _is_kept_for_nobody(plan) and _is_local(draft, component, plan):
         plan.way = LOCAL
     _name(draft, component, plan)
     return plan
@@ -153,6 +151,16 @@ def _is_local(draft: ModuleDraft, component: OldComponent, plan: DataPlan) -> bo
         if plan.data.stamps and _ROOT in plan.leaves:
             return False
     return True
+
+
+def _is_kept_for_nobody(plan: DataPlan) -> bool:
+    """Return whether parts are set, but neither looked at nor written: a slip of the author."""
+    uses = [(each.path, each.how) for each in plan.data.accesses]
+    return not plan.data.writes and any(
+        all(how == "store" for path, how in uses if plan.leaf_of(path) == leaf)
+        for leaf in plan.leaves
+        if leaf != _ROOT
+    )
 
 
 def _begins_with_store(

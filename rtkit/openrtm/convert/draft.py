@@ -6,7 +6,9 @@ import ast
 import builtins
 import keyword
 import os
+import re
 from collections.abc import Iterable, Iterator
+from glob import escape, glob
 from typing import NamedTuple
 
 from rtkit.component.standard import SCOPES, find, home_of
@@ -169,12 +171,25 @@ def _stubs(tree: ast.Module, folder: str) -> Iterator[str]:
     modules = [
         each.name for node in ast.walk(tree) if isinstance(node, ast.Import) for each in node.names
     ]
+    declared = _declared_modules(folder)
     for module in modules:
         base = module.removesuffix("__POA")
         if base != module:
             yield from (module, base)
-        elif module.endswith("_idl") or module == "_GlobalIDL" or _is_generated(folder, module):
+        elif module in declared or module.endswith("_idl") or _is_generated(folder, module):
             yield module
+
+
+def _declared_modules(folder: str) -> set[str]:
+    """Return the modules that IDL files beside a component declare."""
+    found: set[str] = set()
+    for file in (
+        *glob(f"{escape(folder or '.')}/*.idl"),
+        *glob(f"{escape(folder or '.')}/idl/*.idl"),
+    ):
+        with open(file, encoding="utf-8", errors="replace") as stream:
+            found.update(re.findall(r"^\s*module\s+(\w+)", stream.read(), re.MULTILINE))
+    return (found | {"_GlobalIDL"}) - FOREIGN
 
 
 def _is_generated(folder: str, module: str) -> bool:

@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 import ast
+import warnings
 from collections.abc import Iterator
 from typing import Any
 
 _PASS = "pass"
+
+
+def parsed(text: str) -> ast.Module:
+    """Return the syntax tree of a source, without warnings about its style."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return ast.parse(text)
 
 
 class SourceEdits:
@@ -20,7 +28,7 @@ class SourceEdits:
     """
 
     def __init__(self, text: str) -> None:
-        self.tree = ast.parse(text)
+        self.tree = parsed(text)
         self._data = text.encode()
         self._starts = [0]
         for line in self._data.splitlines(keepends=True):
@@ -66,6 +74,10 @@ class SourceEdits:
         begin = self._starts[head.lineno - 1] + head.col_offset - bool(decorators)  # the @
         last: Any = node
         return begin, self._starts[last.end_lineno - 1] + last.end_col_offset
+
+    def place(self, node: ast.AST) -> int:
+        """Return where a node begins; a loop of a comprehension begins at its variable."""
+        return self.span(node.target if isinstance(node, ast.comprehension) else node)[0]
 
     def text(self, node: ast.AST) -> str:
         """Return the source of a node as it was."""
@@ -137,14 +149,16 @@ class SourceEdits:
         """Return whether a node is left out, by itself or with what it is in."""
         return any(id(each) in self.removed for each in (node, *self.ancestors(node)))
 
-    def insert_before(
-        self, statement: ast.stmt, lines: list[str], *, is_first: bool = False
-    ) -> None:
-        """Put lines before a statement, indented as that is; before what was put there, if so."""
+    def insert_before(self, statement: ast.stmt, lines: list[str]) -> None:
+        """Put lines before a statement, indented as that is."""
         begin = self._line_begin(self.span(statement)[0])
         new = "".join(f"{self.indent(statement)}{line}\n" for line in lines)
-        known = self._edits.get((begin, begin), "")
-        self._edits[(begin, begin)] = new + known if is_first else known + new
+        self._edits[(begin, begin)] = self._edits.get((begin, begin), "") + new
+
+    def insert_text(self, statement: ast.stmt, text: str) -> None:
+        """Put whole lines before a statement, and before what was put there."""
+        begin = self._line_begin(self.span(statement)[0])
+        self._edits[(begin, begin)] = text + self._edits.get((begin, begin), "")
 
     def result(self) -> str:
         """Return the source with all edits."""

@@ -73,13 +73,18 @@ class ExpressionWriter:
 
     def _edit_read(self, node: ast.Call) -> None:
         port = self._types.read_port(node)
-        if port is None or isinstance(self._source.parent(node), ast.Expr):
+        if port is None or isinstance(self._source.parent(node), ast.Expr) or self._is_unused(node):
             return
         if not is_guarded(self._draft, node):
             text = f"{self._source.render(node)} or {default_value(self._draft, port)}"
             outer = self._source.parent(node)
             is_plain = isinstance(outer, (ast.Assign, ast.Return, ast.Call))
             self._source.replace(node, text if is_plain else f"({text})")
+
+    def _is_unused(self, node: ast.Call) -> bool:
+        """Return whether nobody looks at what a port is read into."""
+        store = self._source.parent(node)
+        return any(store in plan.unused_stores() for plan in self._plans.values())
 
     def _edit_log(self, node: ast.Call) -> None:
         """Write a message for a logger of the component."""
@@ -110,7 +115,7 @@ class ExpressionWriter:
             parent = self._source.parent(node)
             is_first = isinstance(parent, ast.Subscript) and _is_zero(parent.slice)
             if not is_first:
-                self._source.replace(node, f"[self.{parameter.native}]")
+                self._source.replace(node, f"[{parameter.value}]")
         elif node.attr in self._plans:
             self._edit_data(node)
         elif node.attr in CALLBACKS:
@@ -149,7 +154,7 @@ class ExpressionWriter:
                 if not isinstance(node.ctx, ast.Load):
                     self._draft.mark(node, "a parameter is changed in configuration sets only")
                     return
-                text = f"self.{parameter.native}"
+                text = parameter.value
                 is_kept = not parameter.is_list or self._types.borrows(node)
                 self._source.replace(node, text if is_kept else f"list({text})")
                 return

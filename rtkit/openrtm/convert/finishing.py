@@ -11,7 +11,7 @@ import tokenize
 from collections.abc import Iterable, Iterator
 
 from rtkit.openrtm.convert.draft import ModuleDraft
-from rtkit.openrtm.convert.edits import SourceEdits
+from rtkit.openrtm.convert.edits import SourceEdits, parsed
 from rtkit.openrtm.convert.module_writing import is_foreign_import
 
 _COMMENT = re.compile(r"^[ \t]*#")
@@ -22,7 +22,9 @@ _GENERATED = re.compile(
     r"initialize of configuration-data\.?|Import RTM module|"
     r"Import Service (?:implementation class|stub modules)|This module'?s spesification|"
     r"Module specification|class constructor|Create a component|Initialize manager|"
-    r"Activate manager.*|"
+    r"Activate manager.*|If you want to run the manager in .*|mgr\.runManager\(.*|"
+    r"run the manager in blocking mode|runManager\(False\) is the default|"
+    r"Set module initialization proced.*|This procedure will be invoked in .*|"
     r"[@\\](?:class|brief|param|return|if|else|endif)\b.*|form?aer rtc_.*|former rtc_.*|"
     r"This is same but different the former rtc_init_entry\(\)|"
     r"The (?:initialize|finalize|startup|shutdown|activated|deactivated|execution|aborting|error|"
@@ -210,12 +212,12 @@ def _write_import(
 def _offered(folder: str, module: str) -> set[str]:
     """Return the names that a module beside the component binds; empty if it cannot be read."""
     from rtkit.errors import RtkitError
-    from rtkit.openrtm.source import mended
+    from rtkit.openrtm.source import mended, read_source
 
     path = os.path.join(folder, *module.split(".")) + ".py"
     try:
         with open(path, "rb") as file:
-            tree = ast.parse(mended(file.read(), path))
+            tree = parsed(read_source(mended(file.read(), path)).text)
     except (OSError, SyntaxError, RtkitError):
         return set()
     found: set[str] = set()

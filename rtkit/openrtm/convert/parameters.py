@@ -87,10 +87,14 @@ def _parameter(
         draft.mark(call, f"the first value of self.{attribute} is computed")
         return None
     given = component.spec.get(f"{_DEFAULT}{name}", text) or text
+    given = given if text else str(first)  # an empty default was bound to nothing
     if isinstance(first, list):
         kinds = {type(each) for each in first}
+        if kinds == {str}:
+            extras = _extras(component.spec, name, given)
+            return OldParameter(attribute, name, repr(given), extras, is_words=True)
         if not kinds <= {int, float}:
-            draft.mark(call, f"parameter {name} is a list of texts: declare one text, and split it")
+            draft.mark(call, f"parameter {name} is a list of what no parameter can have")
             return None
         kind = int if kinds == {int} else float
         items = _read(lambda each: tuple(map(kind, re.split(r"\s*,\s*", each.strip()))), given, ())

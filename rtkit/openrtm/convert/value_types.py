@@ -149,7 +149,7 @@ class ValueTypes:
         source = self._draft.source
         around = [*source.ancestors(node)]
         here = source.span(node)[0]
-        before = [each for each in given if source.span(each[0])[0] < here]
+        before = [each for each in given if source.place(each[0]) < here]
         sure = [
             each
             for each in before
@@ -162,14 +162,14 @@ class ValueTypes:
         if not sure:
             return given
         last = sure[-1]
-        place = source.span(last[0])[0]
+        place = source.place(last[0])
         loops = [
             each
             for each in around
             if isinstance(each, (ast.For, ast.While)) and source.span(each)[0] > place
         ]
         later = [each for each in given if any(loop in source.ancestors(each[0]) for loop in loops)]
-        between = [each for each in before if source.span(each[0])[0] > place]
+        between = [each for each in before if source.place(each[0]) > place]
         return [last, *between, *later]
 
     def _of_attribute(self, node: ast.Attribute) -> Value | None:

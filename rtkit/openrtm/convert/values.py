@@ -87,8 +87,13 @@ def zero_text(layout: Layout) -> str:
     return "[]"
 
 
-def initial_of(draft: ModuleDraft, plan: DataPlan, path: Path) -> str:
-    """Return the native expression for the first value of a part of bound data."""
+def initial_of(
+    draft: ModuleDraft, plan: DataPlan, path: Path, *, keeps_literals: bool = False
+) -> str:
+    """Return the native expression for the first value of a part of bound data.
+
+    Literals that a field cannot hold are kept where the component may look at them.
+    """
     layout: Layout = plan.data.layout
     node: ast.expr | None = plan.data.initial
     for each in path:
@@ -104,6 +109,8 @@ def initial_of(draft: ModuleDraft, plan: DataPlan, path: Path) -> str:
         if isinstance(node, ast.Call) and draft.data_class(draft.call_of(node)):
             return constructor(draft, node)
         return f"{draft.data_name(layout.cls)}()"
+    if keeps_literals and isinstance(node, ast.Constant) and node.value is not None:
+        return draft.source.render(node)
     if node is None or (not isinstance(node, ast.List) and is_zero(draft, node, layout)):
         return zero_text(layout)
     return draft.source.render(node)

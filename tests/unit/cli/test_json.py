@@ -80,6 +80,7 @@ ELSEWHERE = {
     "settings-file": "unit/cli/test_rtconfig.py",
     "status": "system/test_status.py",
     "system-state": "unit/cli/test_system_states.py",
+    "converted-component": "unit/openrtm/test_convert.py",
     "migrated-file": "unit/openrtm/test_migration.py",
     "terminal": "system/test_terminals.py",
     "transition": "unit/cli/test_system_states.py",

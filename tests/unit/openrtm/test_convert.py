@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import textwrap
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import jsonrecords
 import pytest
 
+from rtkit.cli.shared.commands import load
 from rtkit.component import Component, InPort, OutPort, TimedLong
 from rtkit.errors import Refused
 from rtkit.openrtm.convert.conversion import Conversion, convert
@@ -303,6 +306,22 @@ def test_parameters_have_the_value_of_their_text(name: str) -> None:
     assert component.configuration.sets["default"][name]
 
 
+def test_a_list_of_texts_is_one_text() -> None:
+    source = old(
+        "self._d_out.data = self._p[0].index('b')\nself._outOut.write()",
+        setup='self._p = [["a"]]',
+        prepare='self.bindParameter("p", self._p, "a, b")',
+    )
+    component = component_of(source)
+    assert component.p == "a, b"
+    assert written(component) == [1]
+
+
+def test_what_is_read_and_never_looked_at_is_read_still() -> None:
+    text = converted(old("self._d_in = self._inIn.read()")).text
+    assert "        self.in_.read()\n" in text
+
+
 def test_the_specification_gives_values_sets_widgets_and_constraints() -> None:
     extra = (
         '"conf.default.gain", "2.5", "conf.fast.gain", "9.0", "conf.__widget__.gain", "text", '
@@ -491,9 +510,9 @@ NEED_A_HAND = {
         old("pass", prepare='if True:\n    self._x = OpenRTM_aist.InPort("x", self._d_in)'),
         "under a condition",
     ),
-    "texts": (
-        old("pass", setup='self._p = [["a"]]', prepare='self.bindParameter("p", self._p, "a,b")'),
-        "list of texts",
+    "lists": (
+        old("pass", setup="self._p = [[[1]]]", prepare='self.bindParameter("p", self._p, "1")'),
+        "list of what no parameter can have",
     ),
 }
 
@@ -513,3 +532,69 @@ def test_a_mark_has_the_line_of_the_old_source() -> None:
 def test_a_source_without_component_is_refused() -> None:
     with pytest.raises(Refused, match="has no component"):
         convert(b"import OpenRTM_aist\n", "plain.py")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a component that is clean, and one that needs a hand."""
+    clean = old("self._d_out.data = 1\nself._outOut.write()")
+    (tmp_path / "Old.py").write_text(clean, encoding="utf-8")
+    by_hand = old("OpenRTM_aist.Manager.instance().shutdown()")
+    (tmp_path / "Hard.py").write_text(by_hand, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_command_writes_to_stdout_or_to_a_file(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = load("rtopenrtm")
+    assert run(["convert", "Old.py"]) == 0
+    text = capsys.readouterr().out
+    assert text == converted((folder / "Old.py").read_text(encoding="utf-8")).text
+    assert run(["convert", "Old.py", "-o", "New.py"]) == 0
+    assert (folder / "New.py").read_text(encoding="utf-8") == text
+    assert run(["convert", "--diff", "Old.py"]) == 0
+    assert "-class Old(OpenRTM_aist.DataFlowComponentBase):\n" in capsys.readouterr().out
+
+
+def test_the_command_takes_no_place_unasked(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = load("rtopenrtm")
+    (folder / "New.py").write_text("mine", encoding="utf-8")
+    assert run(["convert", "Old.py", "-o", "New.py"]) == 1
+    assert "New.py is there already (--force writes it anew)" in capsys.readouterr().err
+    assert (folder / "New.py").read_text(encoding="utf-8") == "mine"
+    assert run(["convert", "--force", "Old.py", "-o", "New.py"]) == 0
+    assert run(["convert", "--force", "Old.py", "-o", "Old.py"]) == 1
+    assert "Old.py is the old component" in capsys.readouterr().err
+
+
+def test_the_command_tells_what_needs_a_hand(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = load("rtopenrtm")
+    assert run(["convert", "--json", "Hard.py", "-o", "New.py"]) == 1
+    told = capsys.readouterr()
+    (record,) = jsonrecords.checked(told.out)
+    assert jsonrecords.kind_of(record) == "converted-component"
+    (mark,) = record["marks"]
+    assert (record["output"], record["ports"], record["components"]) == ("New.py", 2, ["Old"])
+    assert f"Hard.py:{mark['line']}: {mark['reason']}\n" in told.err
+    assert "# rtkit convert: the manager of OpenRTM" in (folder / "New.py").read_text()
+
+
+def test_the_command_names_what_it_cannot_convert(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = load("rtopenrtm")
+    (folder / "plain.py").write_text("x = 1\n", encoding="utf-8")
+    for arguments, why in (
+        (["Nothing.py"], "Nothing.py: No such file or directory"),
+        (["plain.py"], "plain.py has no component"),
+        (["Old.py", "Hard.py"], "takes one file"),
+        (["Old.py", "-o", "no/New.py"], "no/New.py"),
+    ):
+        assert run(["convert", *arguments]) == 1
+        assert why in capsys.readouterr().err
