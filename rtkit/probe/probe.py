@@ -130,8 +130,8 @@ class Probe(Closing):
             Refused: A connection is not possible, or failed; names the port as typed.
         """
         self._properties = properties
-        if properties == LOSSLESS and not self._rate:
-            self._backlog = Backlog()
+        if not self._rate:
+            self._backlog = Backlog(is_lossless=properties == LOSSLESS)
             self._bound(self._ports)
         self._attached.listeners.append(self._look)
         activate = ChangeState(self.component.instance, "0", Transition.ACTIVATE)

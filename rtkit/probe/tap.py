@@ -30,7 +30,7 @@ class Tap(InPort[bytes]):
     """An in port of any data type; reading returns arrivals.
 
     Attributes:
-        backlog: Lets the values that arrive wait; None where they do not.
+        backlog: Bounds the values that wait for the tool; None where nothing does.
     """
 
     is_undecoded = True
@@ -38,10 +38,16 @@ class Tap(InPort[bytes]):
     def __init__(self, name: str, properties: Mapping[str, str] | None = None) -> None:
         super().__init__(bytes, name, properties)
         self.backlog: Backlog | None = None
+        self._refused = 0
 
     def copy(self) -> Tap:
         """Return a port of the same kind without connectors."""
         return Tap(self.name, self.properties)
+
+    @property
+    def lost(self) -> int:
+        """Number of values that had no place here."""
+        return super().lost + self._refused
 
     def take(self) -> list[Arrival]:
         """Return the arrivals since the last call."""
@@ -55,7 +61,9 @@ class Tap(InPort[bytes]):
             arrival = Arrival(name, time.time_ns(), payload)
             if self.backlog is None:
                 return keep(cast(bytes, arrival))
-            self.backlog.enter(payload)
+            if not self.backlog.enter(payload):
+                self._refused += 1
+                return PortStatus.FULL
             refused = keep(cast(bytes, arrival))
             if refused is not None:
                 self.backlog.leave([payload])

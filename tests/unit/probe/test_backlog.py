@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import threading
 
+import pytest
+
 from rtkit.probe.backlog import Backlog
 from rtkit.probe.tap import Tap
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
@@ -26,7 +28,7 @@ def held_up(backlog: Backlog, payload: bytes) -> tuple[threading.Thread, threadi
 
 
 def test_few_large_values_wait_and_many_small_ones() -> None:
-    backlog = Backlog()
+    backlog = Backlog(is_lossless=True)
     for _ in range(8000):
         backlog.enter(SMALL)
     thread, is_in = held_up(backlog, LARGE)
@@ -42,7 +44,7 @@ def test_few_large_values_wait_and_many_small_ones() -> None:
 
 
 def test_a_value_that_is_larger_than_all_room_is_let_in_alone() -> None:
-    backlog = Backlog()
+    backlog = Backlog(is_lossless=True)
     huge = bytes(20 << 20)
     backlog.enter(huge)
     thread, is_in = held_up(backlog, SMALL)
@@ -52,7 +54,7 @@ def test_a_value_that_is_larger_than_all_room_is_let_in_alone() -> None:
 
 
 def test_at_the_end_all_are_let_in() -> None:
-    backlog = Backlog()
+    backlog = Backlog(is_lossless=True)
     backlog.enter(bytes(9 << 20))
     thread, is_in = held_up(backlog, SMALL)
     assert not is_in.wait(0.05)
@@ -64,8 +66,22 @@ def test_at_the_end_all_are_let_in() -> None:
 def test_a_value_that_its_port_refuses_does_not_wait() -> None:
     tap = Tap("s", {"dataport.inport.buffer.length": "4",
                     "dataport.inport.buffer.write.full_policy": "do_nothing"})  # fmt: skip
-    tap.backlog = Backlog()
+    tap.backlog = Backlog(is_lossless=True)
     sink = tap.open(WIRE)
     for _ in range(1000):  # they would be ten times what may wait
         sink(LARGE)
     assert [len(each.payload) for each in tap.take()] == [len(LARGE)] * 4
+
+
+def test_where_values_may_be_lost_what_finds_no_room_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rtkit.probe.backlog._MOST_KEPT_BYTES", 10 * len(LARGE))
+    tap = Tap("s", {"dataport.inport.buffer.length": "100"})
+    tap.backlog = Backlog(is_lossless=False)
+    sink = tap.open(WIRE)
+    for _ in range(15):
+        sink(LARGE)
+    taken = tap.take()
+    assert (len(taken), tap.lost) == (10, 5)
+    tap.backlog.leave(arrival.payload for arrival in taken)
+    sink(LARGE)
+    assert (len(tap.take()), tap.lost) == (1, 5)
