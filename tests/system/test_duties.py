@@ -73,10 +73,17 @@ def look_at_port(site: Site) -> None:
         tree.port_samples([("Held", "out")])
 
 
+def look_at_terminal(site: Site) -> None:
+    """Ask a terminal that shows nothing for news, until the time is up."""
+    with site.tree() as tree:
+        tree.ask_terminal({"instance": "Held", "after": 0, "wait_s": 0.1})
+
+
 FAULT = Order("duty.aftermath", 1, "raise", "EIO")
 CAUSES: dict[str, Callable[[Site], object]] = {
     "samples": look_at_port,
     "sweeping": kill_slave,
+    "terminals": look_at_terminal,
     "zygote": kill_zygote,
 }
 """What has the manager pass a point, where work does not."""
