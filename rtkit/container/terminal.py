@@ -262,7 +262,7 @@ def _polling(*descriptors: int) -> select.poll:
 
 
 def _prepare(descriptor: int) -> None:
-    """Have a terminal know that a character may be several bytes, when one is rubbed out."""
+    """Have a terminal know that characters may be several bytes, and hold no output (Ctrl-S)."""
     mode = termios.tcgetattr(descriptor)
-    mode[0] |= _IUTF8
+    mode[0] = (mode[0] | _IUTF8) & ~termios.IXON
     termios.tcsetattr(descriptor, termios.TCSANOW, mode)

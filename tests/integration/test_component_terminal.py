@@ -47,6 +47,13 @@ def test_what_is_rubbed_out_is_a_whole_character(terminal: ComponentTerminal) ->
     assert terminal.stdin.readline() == "ab\n"
 
 
+def test_ctrl_s_holds_nothing(terminal: ComponentTerminal) -> None:
+    terminal.take(b"\x13a\n")
+    assert terminal.stdin.readline() == "\x13a\n"
+    terminal.show_text("after")
+    assert terminal.since(0) == b"^Sa\r\nafter"
+
+
 def test_ctrl_d_is_the_end_of_one_read(terminal: ComponentTerminal) -> None:
     terminal.take(b"\x04")
     assert terminal.stdin.readline() == ""

@@ -320,3 +320,20 @@ def test_a_component_that_runs_by_hand_or_is_none_is_refused(manager: Any) -> No
     assert manager.run("rtattach").status == 1
     asks(manager)
     assert manager.run("rtattach --send 1 --show /localhost/Asks0.rtc").status == 2
+
+
+def test_a_breakpoint_asks_at_the_terminal(manager: Any, tree: Tree) -> None:
+    code = ASKS.replace("HOW", "'stop'").replace(
+        "    def readline(self)",
+        "    def stop(self):\n        breakpoint()\n\n    def readline(self)",
+    )
+    (manager.modules / "Stops.py").write_text(code.replace("Asks", "Stops"))
+    manager.ok("rtmgr /localhost/manager.mgr -l Stops.py:StopsInit")
+    manager.ok("rtmgr /localhost/manager.mgr -c 'Stops?manager_name=s'")
+    manager.ok("rtact /localhost/Stops0.rtc")
+    await_question(tree, "Stops0")
+    manager.ok("rtattach --send 'p self.instance' /localhost/Stops0.rtc")
+    path = "/localhost/Stops0.rtc"
+    until(lambda: "'Stops0'" in shown(manager, path), "the debugger never answered")
+    manager.ok(f"rtdeact {path}")
+    assert facts_of(tree, "Stops0").state == "Inactive"
