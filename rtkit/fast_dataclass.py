@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterable, Mapping
-from functools import partial
+from functools import cache, partial
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar, dataclass_transform
 
@@ -110,8 +110,10 @@ def _made(
     inherited, title = set(columns), namespace["__qualname__"].rpartition(".")[2]
     for name, hint in namespace.get("__annotations__", {}).items():
         default = namespace.pop(name, _MISSING)
-        column = default if isinstance(default, _Field) else _Field(default)
-        columns[name] = column._replace(name=name, type=hint)
+        if isinstance(default, _Field):
+            columns[name] = default._replace(name=name, type=hint)
+        else:
+            columns[name] = _Field(default, name=name, type=hint)
     _check_order(title, columns)
     for name in ("__dict__", "__weakref__"):
         namespace.pop(name, None)
@@ -121,19 +123,21 @@ def _made(
     namespace["__repr__"] = namespace.get("__repr__", _repr)
     if eq:
         namespace.update(_comparing(columns, frozen, order) | _own(namespace))
+    # Before the class is made: to set an attribute of a class takes as long as to make a field.
+    namespace.update(
+        __init__=_initialiser(lambda: made, columns),
+        __dataclass_params__=_params(frozen, order, eq),
+        __dataclass_fields__=_OnDemand(lambda: _standard(columns)),
+        __signature__=_OnDemand(lambda: _signature(made, columns)),
+        **(_freezing(lambda: made, columns) if frozen else {}),
+    )
     made = make(title, bases, namespace)
-    if frozen:
-        _freeze(made, columns)
-    params = SimpleNamespace(init=True, repr=True, eq=eq, order=order, frozen=frozen)
-    added = {
-        "__init__": _initialiser(made, columns),
-        "__dataclass_params__": params,
-        "__dataclass_fields__": _OnDemand(lambda: _standard(columns)),
-        "__signature__": _OnDemand(lambda: _signature(made, columns)),
-    }
-    for name, value in added.items():
-        setattr(made, name, value)
     return made
+
+
+@cache
+def _params(frozen: bool, order: bool, eq: bool) -> SimpleNamespace:
+    return SimpleNamespace(init=True, repr=True, eq=eq, order=order, frozen=frozen)
 
 
 def make_dataclass(
@@ -167,15 +171,22 @@ def _check_order(title: str, columns: Mapping[str, _Field]) -> None:
 # making
 
 
-def _initialiser(cls: Any, columns: Mapping[str, _Field]) -> Callable[..., None]:
-    """Return a constructor that sets fields in a loop, and has one compiled when it is worth it."""
-    rows = [(name, getattr(cls, name).__set__, *column[:2]) for name, column in columns.items()]
-    is_checked = hasattr(cls, "__post_init__")
+def _initialiser(owner: Callable[[], Any], columns: Mapping[str, _Field]) -> Callable[..., None]:
+    """Return a constructor that sets fields in a loop, and has one compiled when it is worth it.
+
+    `owner` returns its class, which is not there yet.
+    """
+    rows: list[tuple[str, Callable[[Any, Any], None], Any, Any]] = []
+    is_checked = False
     made = 0
 
     def __init__(self: Any, *args: Any, **named: Any) -> None:  # noqa: N807
-        nonlocal made
+        nonlocal made, rows, is_checked
         made += 1
+        if not rows:
+            cls = owner()
+            is_checked = hasattr(cls, "__post_init__")  # first: another thread may look at rows
+            rows = [(name, getattr(cls, name).__set__, *c[:2]) for name, c in columns.items()]
         left = len(named)
         is_good = made <= _COMPILED_AFTER and len(args) <= len(rows)
         for (_, put, _, _), value in zip(rows, args, strict=False):
@@ -193,6 +204,7 @@ def _initialiser(cls: Any, columns: Mapping[str, _Field]) -> Callable[..., None]
             else:
                 is_good = False
         if not is_good or left:
+            cls = owner()
             cls.__init__ = _compiled(cls, columns)
             cls.__init__(self, *args, **named)  # which also raises what is wrong
         elif is_checked:
@@ -258,30 +270,36 @@ def _comparing(columns: Mapping[str, _Field], frozen: bool, order: bool) -> dict
 _ORDER = ("lt", "le", "gt", "ge")
 
 
-def _freeze(cls: Any, columns: Mapping[str, _Field]) -> None:
+def _freezing(owner: Callable[[], Any], columns: Mapping[str, _Field]) -> dict[str, Any]:
+    """Return the methods of a class, which `owner` returns, whose objects do not change."""
+
     def refuse(self: Any, name: str, what: str) -> None:
-        if type(self) is cls or name in columns:
+        if type(self) is owner() or name in columns:
             from dataclasses import FrozenInstanceError
 
             raise FrozenInstanceError(f"cannot {what} field {name!r}")
 
     def set_attribute(self: Any, name: str, value: Any) -> None:
         refuse(self, name, "assign to")
-        super(cls, self).__setattr__(name, value)
+        super(owner(), self).__setattr__(name, value)
 
     def delete_attribute(self: Any, name: str) -> None:
         refuse(self, name, "delete")
-        super(cls, self).__delattr__(name)
+        super(owner(), self).__delattr__(name)
 
     def get_state(self: Any) -> list[Any]:
         return [getattr(self, name) for name in columns]
 
     def set_state(self: Any, state: list[Any]) -> None:
         for name, value in zip(columns, state, strict=True):
-            getattr(cls, name).__set__(self, value)
+            getattr(owner(), name).__set__(self, value)
 
-    cls.__setattr__, cls.__delattr__ = set_attribute, delete_attribute
-    cls.__getstate__, cls.__setstate__ = get_state, set_state
+    return {
+        "__setattr__": set_attribute,
+        "__delattr__": delete_attribute,
+        "__getstate__": get_state,
+        "__setstate__": set_state,
+    }
 
 
 # what the standard library finds
