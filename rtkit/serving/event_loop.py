@@ -29,18 +29,11 @@ _HOUSEKEEPING_S = 0.25
 _LONGEST_WAIT_S = 3600.0
 
 
-class Descriptor(Protocol):
-    """Thing that the loop can wait for."""
+class ByteStream(Protocol):
+    """Socket or device that the loop can wait for, read and write."""
 
     def fileno(self) -> int:
         """Return its descriptor."""
-
-    def close(self) -> None:
-        """Be open no longer."""
-
-
-class ByteStream(Descriptor, Protocol):
-    """Socket or device that the loop can wait for, read and write."""
 
     def setblocking(self, flag: bool, /) -> None:
         """Wait in `recv` and `send`, or raise BlockingIOError."""
@@ -50,6 +43,9 @@ class ByteStream(Descriptor, Protocol):
 
     def send(self, data: bytes | bytearray | memoryview, /) -> int:
         """Send as much as the receiver takes; return how much that was."""
+
+    def close(self) -> None:
+        """Be open no longer."""
 
 
 class IOHandler(ABC):
@@ -94,7 +90,7 @@ class PropertyEventLoop:
         self._posted: deque[Callable[[], object]] = deque()
         self._dirty: set[IOHandler] = set()
         self._handlers: dict[int, IOHandler] = {}
-        self._sockets: dict[int, Descriptor] = {}
+        self._sockets: dict[int, ByteStream] = {}
         self._attended: dict[int, int] = {}
         self._is_woken = self._is_changing = False
         self._is_ended = threading.Event()
@@ -154,7 +150,7 @@ class PropertyEventLoop:
 
     # Sockets
 
-    def register(self, end: Descriptor, handler: IOHandler) -> None:
+    def register(self, end: ByteStream, handler: IOHandler) -> None:
         """Serve a socket; on the loop's thread, or before it runs."""
         number = end.fileno()
         self._handlers[number] = handler
@@ -170,7 +166,7 @@ class PropertyEventLoop:
         else:
             self._epoll.modify(number, mask)
 
-    def unregister(self, end: Descriptor, handler: IOHandler) -> None:
+    def unregister(self, end: ByteStream, handler: IOHandler) -> None:
         """Serve a socket no longer."""
         number = end.fileno()
         if self._handlers.pop(number, None) is not None:

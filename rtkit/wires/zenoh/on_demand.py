@@ -16,9 +16,8 @@ from collections.abc import Iterable
 from contextlib import suppress
 from logging import getLogger
 
-from rtkit.errors import Refused, RtkitError
+from rtkit.errors import RtkitError
 from rtkit.link import places, unix
-from rtkit.link.folder_watch import FolderWatch
 from rtkit.serving.event_loop import IOHandler, PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider
 
@@ -37,57 +36,53 @@ def open_when_needed(
         Unreachable: The socket cannot be made.
     """
     hosts = list(hosts)
-    path = places.check_socket_length(places.service_key_socket(service.name))
-    try:
-        folder = FolderWatch(places.runtime_dir())
-    except Refused:  # the kernel has no more watches: nobody would tell of a manager
-        folder = None
-    # Only now: a manager that starts after this look is seen in the folder.
-    if folder is None or hosts or places.owner(places.usual_manager()) is not None:
+    if hosts or _has_manager():
         from rtkit.wires.zenoh.endpoint import open_zenoh
 
-        if folder is not None:
-            folder.close()
         open_zenoh(host, service, hosts)
-        return
-    ZenohOnDemand(host, service, path, folder)
+    else:
+        ZenohOnDemand(host, service)
+
+
+def _has_manager() -> bool:
+    manager = places.usual_manager()
+    has_socket = os.path.exists(places.manager_socket(manager))  # else there is no lock to look at
+    return has_socket and places.owner(manager) is not None
 
 
 class ZenohOnDemand(IOHandler):
-    """Socket in the place of a zenoh endpoint, and watch for a manager.
+    """Socket in the place of a zenoh endpoint, and look-out for a manager."""
 
-    Args:
-        path: Of the socket; nobody else uses it, as the name of the service is taken.
-        folder: Of the sockets of this user.
-    """
-
-    def __init__(
-        self, host: PropertyEventLoop, service: PropertyProvider, path: str, folder: FolderWatch
-    ) -> None:
+    def __init__(self, host: PropertyEventLoop, service: PropertyProvider) -> None:
         self._host = host
         self._service = service
-        self._path = path
-        self._folder = folder
-        self._manager = os.path.basename(places.manager_socket(places.usual_manager()))
-        self._end = unix.listen(path, backlog=_BACKLOG)
+        self._path = places.check_socket_length(places.service_key_socket(service.name))
+        self._end = unix.listen(self._path, backlog=_BACKLOG)
         self._end.setblocking(False)
         self._clients: list[socket.socket] = []
         self._opening: threading.Thread | None = None
         host.register(self._end, self)
-        host.register(folder, self)
         host.at_end(self.close)
 
     def ready(self, mask: int) -> None:
         """See `IOHandler.ready`."""
         self._admit()
-        has_manager = self._manager in self._folder.take()
-        if (has_manager or self._clients) and self._opening is None:
-            # Not on the loop: to load the library takes as long as hundreds of requests.
-            self._opening = threading.Thread(target=self._open, name="zenoh", daemon=True)
-            self._opening.start()
+        if self._clients:
+            self._begin()
 
     def flush(self, now: float) -> None:
         """See `IOHandler.flush`."""
+
+    def check(self, now: float) -> None:
+        """See `IOHandler.check`."""
+        if _has_manager():
+            self._begin()
+
+    def _begin(self) -> None:
+        if self._opening is None:
+            # Not on the loop: to load the library takes as long as hundreds of requests.
+            self._opening = threading.Thread(target=self._open, name="zenoh", daemon=True)
+            self._opening.start()
 
     def _admit(self) -> None:
         with suppress(BlockingIOError):
@@ -105,13 +100,13 @@ class ZenohOnDemand(IOHandler):
             open_zenoh(self._host, self._service)
         except RtkitError as error:
             getLogger("rtkit.properties").warning("no zenoh for %s: %s", self._service.name, error)
-        for client in self._clients:
-            client.close()
+        finally:
+            for client in self._clients:
+                client.close()
 
     def _stop(self) -> None:
-        for end in (self._end, self._folder):
-            self._host.unregister(end, self)
-            end.close()
+        self._host.unregister(self._end, self)
+        self._end.close()
 
     def close(self) -> None:
         """Wait for nobody any more; what is being opened is closed after this."""
