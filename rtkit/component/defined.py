@@ -29,7 +29,6 @@ from rtkit.idl.model import (
     Type,
     Typedef,
 )
-from rtkit.idl.read import read_idl
 from rtkit.rtc.data_types import scoped_name
 
 _MOST_ITEMS = 1 << 20
@@ -51,6 +50,8 @@ def class_of(name: str, definition: str) -> type:
 
 @cache
 def _class_of(name: str, definition: str) -> type:
+    from rtkit.idl.read import read_idl  # what was read already does without
+
     definitions = read_idl(definition, name)
     try:
         made: type = class_in(definitions, name)

@@ -5,7 +5,6 @@ Structures are the mutable twins of frozen data types that all folders of a proc
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
@@ -14,21 +13,19 @@ from rtkit.builder.standard_types import KNOWN
 from rtkit.component.defined import DefinedTypes
 from rtkit.component.type_layout import layout_of_hint
 from rtkit.component.typenames import is_standard, type_by_name
-from rtkit.errors import InvalidDocument, Malformed
+from rtkit.errors import Malformed
 from rtkit.idl.model import (
     Constant,
-    Declaration,
     Definitions,
     EnumDeclaration,
     EnumValue,
     InterfaceDeclaration,
     Named,
-    Opaque,
     Path,
     StructDeclaration,
     Typedef,
 )
-from rtkit.idl.read import read_idl
+from rtkit.openrtm.definition_files import ReadDefinitions, read_all
 from rtkit.openrtm.services import exception_class, interface_class, servant_class
 from rtkit.openrtm.twins import AliasOf, twin_of
 
@@ -36,7 +33,8 @@ from rtkit.openrtm.twins import AliasOf, twin_of
 class Declarations:
     """The declarations of several IDL files as omniORB's modules have them."""
 
-    def __init__(self, files: Iterable[str], read: Any) -> None:
+    def __init__(self, folder: str, files: Iterable[str], read: Any) -> None:
+        self._folder = folder
         self._files = list(files)
         self._read = read
         self._made: dict[tuple[str, Path], Any] = {}
@@ -130,8 +128,9 @@ class Declarations:
         from rtkit.openrtm.lazy_module import LazyModule
 
         if not any(each[: len(path)] == path for each in self.definitions.by_path):
-            if self._failures:
-                raise AttributeError(f"{'.'.join(path)} is not there: {'; '.join(self._failures)}")
+            failures = self._declared.failures
+            if failures:
+                raise AttributeError(f"{'.'.join(path)} is not there: {'; '.join(failures)}")
             raise KeyError(path[-1])
         find = self.servant if is_servants else self.value
         return LazyModule(".".join(path), lambda n: find((*path, n)), lambda: self.names(path))
@@ -141,37 +140,11 @@ class Declarations:
         """The classes of data types: one for all files that declare a type alike."""
         return DefinedTypes(self.definitions, are_shared=True)
 
-    @cached_property
+    @property
     def definitions(self) -> Definitions:
         """All declarations; those of a file that cannot be read are missed where they are used."""
-        merged: dict[Path, Declaration] = {}
-        missing: list[str] = []
-        self._failures: list[str] = []
-        for file in self._files:
-            try:
-                read = self._declared_in(file)
-            except (InvalidDocument, SyntaxError) as error:
-                self._failures.append(str(error))
-                continue
-            for path, declared in read.by_path.items():
-                if path not in merged or isinstance(merged[path], Opaque):
-                    merged[path] = declared
-            missing += read.missing
-        return Definitions(merged, tuple(missing))
+        return self._declared.definitions
 
-    def _declared_in(self, file: str) -> Definitions:
-        text = self._read(file).decode("utf-8", "replace")
-        if file.endswith(".py"):
-            from rtkit.openrtm.stubs import read_stub
-
-            return read_stub(text, file)
-        return read_idl(text, file, self._included, KNOWN)
-
-    def _included(self, name: str, including: str) -> tuple[str, str] | None:
-        base = os.path.basename(name)
-        own = os.path.join(os.path.dirname(including), name)
-        places = [own, *(each for each in self._files if os.path.basename(each) == base)]
-        for place in places:
-            if os.path.isfile(place):
-                return place, self._read(place).decode("utf-8", "replace")
-        return None
+    @cached_property
+    def _declared(self) -> ReadDefinitions:
+        return read_all(self._folder, self._files, self._read)

@@ -83,7 +83,7 @@ class FolderDefinitions:
     def _declarations(self) -> Any:
         from rtkit.openrtm.declared import Declarations
 
-        return Declarations(self._files, self._read)
+        return Declarations(self._path, self._files, self._read)
 
     def _declares(self, stem: str) -> bool:
         names = {os.path.basename(file).lower() for file in self._files}

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.idl import InvalidIdl, read_idl
 from rtkit.idl.model import (
     ArrayOf,
     Attribute,
@@ -26,6 +25,8 @@ from rtkit.idl.model import (
     StructDeclaration,
     Typedef,
 )
+from rtkit.idl.read import read_idl
+from rtkit.idl.source import InvalidIdl
 
 FILES = Path(__file__).parents[2] / "idl"
 KNOWN = {("RTC", "Time"), ("RTC", "TimedLong")}

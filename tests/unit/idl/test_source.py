@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.idl import InvalidIdl, read_idl
 from rtkit.idl.comments import Comment, Comments
-from rtkit.idl.source import IdlSource
+from rtkit.idl.read import read_idl
+from rtkit.idl.source import IdlSource, InvalidIdl
 
 
 def lines(text, **files):

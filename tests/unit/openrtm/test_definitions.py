@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
+import pytest
 from openrtm_files import made, write_component
 
 from rtkit.component.definition import definition_of
 from rtkit.component.port import DataPort
+from rtkit.errors import Refused
+from rtkit.idl.model import StructDeclaration
+from rtkit.openrtm.definition_files import read_all
 
 IDL = """
 #include <BasicDataType.idl>
@@ -72,3 +77,35 @@ def test_folders_share_the_types_that_they_declare_alike(tmp_path: Path) -> None
         assert isinstance(port, DataPort)
         types.append(port.data_type)
     assert types[0] is types[1]
+
+
+def test_definitions_are_read_once_for_all_processes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    file, other = tmp_path / "a.idl", tmp_path / "inner.idl"
+    file.write_text('#include "inner.idl"\nstruct A { B b; };', encoding="utf-8")
+    other.write_text("struct B { long one; };", encoding="utf-8")
+
+    def fields() -> list[str]:
+        found = read_all(str(tmp_path), [str(file)], lambda path: Path(path).read_bytes())
+        declared = found.definitions.find("B")
+        assert isinstance(declared, StructDeclaration)
+        return [each.name for each in declared.fields]
+
+    assert fields() == ["one"]
+    kept = tmp_path / "__pycache__" / "definitions.rtkit.pickle"
+    with monkeypatch.context() as no_parser:
+        no_parser.setattr("rtkit.idl.read.read_idl", None)
+        assert fields() == ["one"]
+    other.write_text("struct B { long two; };", encoding="utf-8")
+    assert fields() == ["two"]
+    kept.write_bytes(kept.read_bytes()[:40])
+    assert fields() == ["two"]
+
+
+def test_a_definition_that_cannot_be_read_is_named_where_it_is_missed(tmp_path: Path) -> None:
+    (tmp_path / "Bad.idl").write_text("module Bad { struct A { nothing x; }; };", encoding="utf-8")
+    before = "import Bad_idl\nimport Bad\n"
+    with pytest.raises(Refused, match=r"Bad.A is not there: .*Bad.idl:1: .*nothing"):
+        made(write_component(tmp_path, "One", "kind = Bad.A", before=before))
