@@ -10,6 +10,8 @@ import time
 from typing import Protocol
 
 WAITS = "waiting for input"
+_AGAIN_S = 0.1
+"""Time between two refusals [s]."""
 
 
 class InputEnded(SystemExit):
@@ -30,8 +32,15 @@ class EndOfWaits(Protocol):
         """Let it wait again."""
 
 
+class _Refusals:
+    """Count of the times that input was refused to a component since it is to leave."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+
 _since: dict[str, float] = {}
-_leaving: set[str] = set()
+_leaving: dict[str, _Refusals] = {}
 _wakers: dict[str, EndOfWaits] = {}
 
 
@@ -63,7 +72,7 @@ def ended_by(instance: str, end: EndOfWaits | None) -> None:
 
 def leave_input(instance: str) -> None:
     """Have each wait of a component end, those that begin from now on too."""
-    _leaving.add(instance)
+    _leaving.setdefault(instance, _Refusals())
     end = _wakers.get(instance)
     if end is not None:
         end.ring()
@@ -71,7 +80,7 @@ def leave_input(instance: str) -> None:
 
 def allow_input(instance: str) -> None:
     """Let a component wait again."""
-    _leaving.discard(instance)
+    _leaving.pop(instance, None)
     end = _wakers.get(instance)
     if end is not None:
         end.hush()
@@ -83,5 +92,10 @@ def check_input(instance: str) -> None:
     Raises:
         InputEnded: It is to be deactivated or ended.
     """
-    if instance in _leaving:
+    refusals = _leaving.get(instance)
+    if refusals is not None:
+        refusals.count += 1
+        if refusals.count > 1:
+            # A loop that catches everything asks again and again: it is not to fill a processor.
+            time.sleep(_AGAIN_S)
         raise InputEnded(f"{instance} is to wait for no more input")

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from rtkit.component import waiting
+from rtkit.component import input_wait, waiting
 from rtkit.component.callbacks import attempt
 from rtkit.component.input_wait import (
     InputEnded,
@@ -62,6 +62,23 @@ def test_who_is_to_leave_waits_no_more_until_allowed(end: End) -> None:
     allow_input("A")
     check_input("A")
     assert end.calls == ["ring", "hush"]
+
+
+def test_who_asks_again_though_it_is_to_leave_is_slowed_down(
+    end: End, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slept: list[float] = []
+    monkeypatch.setattr(input_wait.time, "sleep", slept.append)
+    for expected in (0, 1, 2):
+        leave_input("A")
+        with pytest.raises(InputEnded):
+            check_input("A")
+        assert len(slept) == expected
+    allow_input("A")
+    leave_input("A")
+    with pytest.raises(InputEnded):
+        check_input("A")
+    assert len(slept) == 2
 
 
 def test_who_leaves_its_input_has_not_failed() -> None:
