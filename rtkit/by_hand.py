@@ -30,6 +30,7 @@ from rtkit.container.attached_process import ENTERING, AttachedProcess, attached
 from rtkit.container.component_factory import odd_options
 from rtkit.container.pacer import Driver
 from rtkit.errors import Refused, RtkitError
+from rtkit.link import places
 from rtkit.link.threads import start_thread
 from rtkit.modules.neighbours import lies_in, read
 from rtkit.rtc.create import FRESH_SLAVE, CreateString
@@ -54,6 +55,7 @@ class _Wish(NamedTuple):
     manager: str
     starts: bool
     timeout_s: float
+    replaces: bool = True
 
 
 def run(
@@ -120,6 +122,27 @@ def run(
     return running
 
 
+def begin(
+    component_class: type[Component], name: str, options: Mapping[str, str], timeout_s: float
+) -> RunningComponent:
+    """Have one more component of a class live in this process, driven by threads of its own.
+
+    It enters the usual manager, which runs.
+
+    Args:
+        component_class: Its class.
+        name: Of the instance; empty for the type and the lowest free number.
+        options: As create strings have them.
+        timeout_s: How long the manager may take to answer [s].
+
+    Raises:
+        Unreachable: The manager does not answer.
+        Refused: Its name is taken, or it does not initialise.
+    """
+    wish = _Wish(name, options, False, "", False, timeout_s, replaces=False)
+    return RunningComponent(component_class, wish, is_driving=False)
+
+
 @contextmanager
 def _ending_by_ctrl_c() -> Iterator[None]:
     """Let Ctrl-C end the component also after `breakpoint` and `c`: the debugger would stop again.
@@ -158,11 +181,16 @@ class RunningComponent(Closing):
 
         self._calling = _CallingThread(is_lent=is_driving)
         self._is_activated = wish.activates
-        self._key = (component_class.type_profile().type_name, wish.name)
+        own = wish.name if wish.replaces else f"{id(self)}"
+        self._key = (component_class.type_profile().type_name, own)
         if is_driving:
             _show_logs()
         if wish.starts:
-            _start_manager(wish)
+            from rtkit.manager import launch
+            from rtkit.settings.configuration import CommandLineSettings
+
+            name = wish.manager or places.usual_manager()
+            launch.ensure(name, CommandLineSettings(), wish.timeout_s)
         if self._key in _running:
             _running[self._key].close()
         with connect(wish.manager, wish.timeout_s) as tree:
@@ -220,9 +248,9 @@ class RunningComponent(Closing):
         while True:
             instance = wish.name or free_name(kind, taken)
             component = component_class(instance, wish.options)
+            component.initialize()
             for text in odd_options(component, wish.options):
                 component.report(text)
-            component.initialize()
             origin = {"create": _create(kind, instance, wish.options), "module": _module(code)}
             try:
                 with ENTERING:
@@ -405,16 +433,6 @@ def _show_logs() -> None:
         handler.setFormatter(Readable())
         root.addHandler(handler)
         root.setLevel(logging.INFO)
-
-
-def _start_manager(wish: _Wish) -> None:
-    from rtkit.link import places
-    from rtkit.manager import launch
-    from rtkit.settings.configuration import CommandLineSettings
-
-    name = wish.manager or places.usual_manager()
-    if places.owner(name) is None:
-        launch.start(name, CommandLineSettings(), wish.timeout_s)
 
 
 def _read_arguments(

@@ -56,7 +56,7 @@ def profile_of(component: Component, date: str, properties: Mapping[str, str]) -
         id=component.type.id,
         version=rtc.RTC_VERSION,
         basic_info=_basic_info(component, date, properties),
-        actions=_actions(type(component)),
+        actions=_actions(component),
         configuration_set=rtc.DeclaredParameters(settings) if settings else None,
         data_ports=tuple(
             _data_port(component, port) for port in ports if port.port_type is not PortType.SERVICE
@@ -119,12 +119,14 @@ def _documentation(component: Component) -> tuple[str, rtc.BasicDoc | None]:
     return description, rtc.BasicDoc(**fields) if fields else None
 
 
-def _actions(cls: type[Component]) -> rtc.Actions:
-    base = FsmComponent if issubclass(cls, FsmComponent) else Component
+def _actions(component: Component) -> rtc.Actions:
+    cls = type(component)
+    base = FsmComponent if isinstance(component, FsmComponent) else Component
     fields: dict[str, Any] = {}
     for name in SUMMARIES:
         if name != _FSM_ONLY or base is FsmComponent:
-            own = getattr(cls, name)
+            # Of one that holds an object of another class, the callbacks are those of the object.
+            own = vars(component).get(name) or getattr(cls, name)
             is_own = own is not getattr(base, name)
             doc = _action_doc(name, own.__doc__) if is_own else None
             fields[name] = rtc.ActionStatus(is_own, doc)

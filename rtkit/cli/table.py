@@ -61,6 +61,8 @@ TOPICS: dict[str, dict[str, str]] = {
     "openrtm.words": {
         "convert": "Write the native equivalent of a component for OpenRTM-aist-Python.",
         "migrate": "Convert Python 2 sources to Python 3, with what they import from beside them.",
+        "path": "Print the folder by which Python finds OpenRTM_aist, RTC, omniORB and others.",
+        "run": "Run a module of OpenRTM-aist as a script.",
     },
     "packages": {
         "rtpkg": "Build, publish, find and install packages of components.",

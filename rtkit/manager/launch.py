@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import select
 import signal
@@ -62,6 +63,22 @@ def start(name: str, wanted: CommandLineSettings, timeout_s: float) -> Started:
         os.waitpid(pid, 0)
     fault.point("start.told")
     return read_report(name, pid, lines)
+
+
+def ensure(name: str, wanted: CommandLineSettings, timeout_s: float) -> None:
+    """Start a manager unless it runs; another process may ask for that at the same time.
+
+    Raises:
+        Refused: It cannot start; gives the reason.
+        Unreachable: It did not get ready in time, and was ended.
+    """
+    folder = os.open(places.make_private(places.state_dir()), os.O_RDONLY)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX)  # whoever starts it has it until it is ready
+        if places.owner(name) is None:
+            start(name, wanted, timeout_s)
+    finally:
+        os.close(folder)
 
 
 def read_report(name: str, pid: int, lines: list[str]) -> Started:

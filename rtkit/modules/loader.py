@@ -141,7 +141,7 @@ class Loader:
             raise Refused(f"module {path} has changed since it was loaded (rtmgr -u forgets it)")
         with among_its_own(source):
             module = imported.module if imported else import_source(source)
-            classes = _initialise(module, name, path, is_usual=name == usual)
+            classes = registered_by(module, name, path, is_usual=name == usual)
         if imported is None:
             foreign = vars(module).get(_FOREIGN)
             beside = fingerprints(source) | (dict(foreign.files) if foreign else {})
@@ -334,9 +334,21 @@ def _import_failure(error: BaseException, file: str) -> str:
     return f"module does not import: {type(error).__name__}{reason} ({file}:{line or 1})"
 
 
-def _initialise(
+def registered_by(
     module: ModuleType, name: str, path: str, *, is_usual: bool
 ) -> list[type[Component]]:
+    """Return the component classes that an init function of a module registers.
+
+    Args:
+        module: It is imported.
+        name: Of the function.
+        path: Of the module, as it was asked for.
+        is_usual: Whether the name is the one that is looked for where none is given.
+
+    Raises:
+        NotFound: It has no such function.
+        Refused: The function raises; says where.
+    """
     foreign = vars(module).get(_FOREIGN)
     function: Any = getattr(module, name, None)
     if foreign is not None:

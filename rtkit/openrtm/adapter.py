@@ -141,15 +141,14 @@ class HeldComponent(Component):
 
 
 class _Callback:
-    """A callback of the object, called with the number of the context in place of its id.
+    # A callback of the object, called with the number of the context in place of its id. It has
+    # the code of the author's function, so that a failure is shown where that stands, and its text.
 
-    It has the code of the author's function, so that a failure is shown where that stands.
-    """
-
-    __slots__ = ("__code__", "_call", "_number_of")
+    __slots__ = ("__code__", "__doc__", "_call", "_number_of")
 
     def __init__(self, call: Callable[..., Any], number_of: Callable[[str], int]) -> None:
         self.__code__ = getattr(call, "__code__", None)
+        self.__doc__ = call.__doc__
         self._call = call
         self._number_of = number_of
 

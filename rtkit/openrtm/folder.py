@@ -129,26 +129,26 @@ class ComponentFolder:
     ) -> Any:
         full = resolve_name("." * level + name, _package(globals)) if level else name
         with self._lock:
-            top = self._find(full.partition(".")[0])
+            top = self.find(full.partition(".")[0])
             if top is None:
                 return builtins.__import__(name, globals, locals, fromlist or (), level)
             leaf = self._walk(full)
             for each in fromlist or ():
                 if each != "*" and not hasattr(leaf, each):
-                    self._find(f"{full}.{each}")
+                    self.find(f"{full}.{each}")
         return leaf if fromlist else top
 
     def _walk(self, full: str) -> ModuleType:
         names = full.split(".")
         for at in range(1, len(names) + 1):
             part = ".".join(names[:at])
-            found = self._find(part)
+            found = self.find(part)
             if found is None:
                 raise ModuleNotFoundError(f"No module named {part!r}", name=part)
         assert found is not None
         return found
 
-    def _find(self, full: str) -> ModuleType | None:
+    def find(self, full: str) -> ModuleType | None:
         """Return a module of that name that belongs to this folder; None for all others."""
         known = self._modules.get(full)
         if known is not None:

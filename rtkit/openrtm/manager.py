@@ -77,7 +77,7 @@ class ModuleManager:
         """Offer a component class for creation."""
         if self._registrar is None:
             raise refuse("Manager.registerFactory after the module was loaded")
-        self._registrar.register_factory(held_class(new_func, profile.texts(), manager()))
+        self._registrar.register_factory(held_class(new_func, profile.texts(), Manager.instance()))
         return True
 
     def createComponent(self, comp_args: str) -> Any:
@@ -113,29 +113,26 @@ class ModuleManager:
         raise refuse(f"Manager.{name}")
 
 
-_manager = ModuleManager()
-
-
-def manager() -> ModuleManager:
-    """Return the manager that components of this process have."""
-    return _manager
-
-
 class Manager:
-    """``OpenRTM_aist.Manager``."""
+    """``OpenRTM_aist.Manager``.
 
-    _begin: ClassVar[Callable[[list[str]], Any] | None] = None
-    """Starts a manager for a module that is run as a script; set by what runs it."""
+    Attributes:
+        begin: Starts a manager for a module that is run as a script; set by what runs it.
+    """
+
+    begin: ClassVar[Callable[[list[str]], ModuleManager] | None] = None
+    _instance: ClassVar[ModuleManager] = ModuleManager()
 
     @classmethod
-    def instance(cls) -> Any:
+    def instance(cls) -> ModuleManager:
         """Return the manager of this process."""
-        return _manager
+        return cls._instance
 
     @classmethod
-    def init(cls, *arguments: Any) -> Any:
+    def init(cls, *arguments: Any) -> ModuleManager:
         """Start, or join, a manager for a module that is run as a script."""
         argv = next((list(each) for each in arguments if isinstance(each, (list, tuple))), [])
-        if cls._begin is None:
+        if cls.begin is None:
             raise refuse("Manager.init in a module that a manager loads")
-        return cls._begin(argv)
+        cls._instance = cls.begin(argv)
+        return cls._instance

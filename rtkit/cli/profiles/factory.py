@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from rtkit.component.base import Component
 from rtkit.component.callbacks import describe_failure
 from rtkit.component.factory import Factories
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
-from rtkit.modules.loader import import_source
+from rtkit.modules.loader import import_source, registered_by
 from rtkit.modules.neighbours import among_its_own
 from rtkit.modules.search import SUFFIX, Search
 from rtkit.resources import resource
@@ -46,43 +47,29 @@ def component_class(typed: str, wanted: str) -> FactoryOffer:
     file = source.file
     with among_its_own(source):
         module = import_source(source)
-    init = name or source.init or f"{os.path.basename(file).removesuffix(SUFFIX)}Init"
+    usual = f"{os.path.basename(file).removesuffix(SUFFIX)}Init"
+    init = name or source.init or usual
     found = getattr(module, init, None)
-    if found is None:
-        raise NotFound(f"no {init} in module {path} ({file})")
     if isinstance(found, type) and issubclass(found, Component):
         return FactoryOffer(found, file, "")
-    return FactoryOffer(_registered(found, typed, wanted), file, init)
-
-
-def _registered(init: Any, typed: str, wanted: str) -> type[Component]:
-    if not callable(init):
+    if found is not None and not callable(found):
         raise Malformed(f"{typed} is neither an init function nor a component class")
-    recorder = _RegistrationRecorder()
-    try:
-        init(recorder)
-    except BaseException as error:
-        raise Refused(f"{typed} failed: {describe_failure(error, init)}") from error
-    fitting = [each for each in recorder.classes if wanted in ("", each.type_profile().type_name)]
+    with among_its_own(source):
+        classes = registered_by(module, init, path, is_usual=init == usual)
+    return FactoryOffer(_chosen(classes, typed, wanted), file, init)
+
+
+def _chosen(classes: Sequence[type[Component]], typed: str, wanted: str) -> type[Component]:
+    for each in classes:
+        Factories().register(each)  # refuses what no manager would take
+    fitting = [each for each in classes if wanted in ("", each.type_profile().type_name)]
     if len(fitting) == 1:
         return fitting[0]
-    names = ", ".join([each.type_profile().type_name for each in recorder.classes]) or "none"
+    names = ", ".join([each.type_profile().type_name for each in classes]) or "none"
     if not fitting:
         what = f"no type {wanted}; there are: {names}" if wanted else "no component type"
         raise NotFound(f"{typed} offers {what}")
     raise Malformed(f"{typed} offers several types; say --type: {names}")
-
-
-class _RegistrationRecorder:
-    """The manager that an init function receives: it records registrations."""
-
-    def __init__(self) -> None:
-        self.classes: list[type[Component]] = []
-
-    def register_factory(self, component: type[Component]) -> None:
-        """Note a component class."""
-        Factories().register(component)
-        self.classes.append(component)
 
 
 def instance_of(cls: type[Component], typed: str, *, is_initialised: bool) -> Component:
