@@ -57,7 +57,7 @@ class DataPlan:
 def plan_of(draft: ModuleDraft, component: OldComponent, data: BoundData) -> DataPlan:
     """Return the plan for bound data; says to the draft what needs a hand."""
     plan = DataPlan(data)
-    for path in sorted({each.path for each in data.accesses}, key=len):
+    for path in _in_order({each.path for each in data.accesses}, data.layout):
         if not any(path[:n] in plan.leaves for n in range(len(path))):
             plan.leaves[path] = ""
     if data.rebound and data.writes:
@@ -97,6 +97,21 @@ def _mark_sharing(draft: ModuleDraft, data: BoundData) -> None:
         )
         if not is_looked_at:
             draft.mark(access.node, "what has this value too could change it before it is written")
+
+
+def _in_order(paths: set[Path], layout: Layout) -> list[Path]:
+    """Return paths as the fields of the structure stand, wholes before their parts."""
+
+    def place(path: Path) -> list[int]:
+        found, inner = [], layout
+        for each in path:
+            assert isinstance(inner, StructLayout)
+            names = [name for name, _ in inner.fields]
+            found.append(names.index(each))
+            inner = dict(inner.fields)[each]
+        return found
+
+    return sorted(paths, key=place)
 
 
 def part_of(layout: Layout, path: Path) -> Layout:

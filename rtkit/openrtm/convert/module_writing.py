@@ -111,13 +111,13 @@ def _run_lines(
 ) -> list[str]:
     calls = [node for each in starting.values() for node in ast.walk(each)]
     is_active = any(is_call_of_method(node, "activate_component") for node in calls)
-    created = {
+    created = [
         str(node.args[0].value).partition("?")[0]
         for node in calls
         if is_call_of_method(node, "createComponent")
         and node.args
         and isinstance(node.args[0], ast.Constant)
-    }
+    ]
     names = {each.spec.get("implementation_id", ""): each.node.name for each in components}
     name = next((names[each] for each in created if each in names), components[0].node.name)
     for each in components:

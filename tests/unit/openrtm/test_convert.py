@@ -201,6 +201,23 @@ def test_fields_of_a_structure_are_kept_one_by_one() -> None:
     ]
 
 
+def test_parts_are_kept_in_the_order_of_their_fields() -> None:
+    text = converted(
+        old(
+            """
+            self._d_out.data.heading += 1
+            self._d_out.data.position.y += 1
+            self._d_out.data.position.x += 1
+            self._outOut.write()
+            """,
+            out="TimedPose2D(RTC.Time(0, 0), RTC.Pose2D(RTC.Point2D(1.0, 5.0), 0.0))",
+        )
+    ).text
+    head = text[text.index("def on_initialize") : text.index("def on_execute")]
+    lines = ["self._x = 1.0", "self._y = 5.0", "self._heading = 0.0"]
+    assert [line.strip() for line in head.splitlines()[1:] if line.strip()] == lines
+
+
 def test_a_structure_used_as_a_whole_is_replaced() -> None:
     source = old(
         """
