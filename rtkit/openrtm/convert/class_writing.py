@@ -38,7 +38,7 @@ def write_class(draft: ModuleDraft, component: OldComponent) -> None:
     rename_collisions(draft, component)
     plans = {name: plan_of(draft, component, each) for name, each in component.data.items()}
     types = ValueTypes(draft, component)
-    _find_lists(draft, component, types)
+    _find_lists(component, types)
     mark_bytes(draft, component, plans)
     docs = _take_docs(draft, component)
     _remove_setup(draft, component, plans)
@@ -54,7 +54,16 @@ def write_class(draft: ModuleDraft, component: OldComponent) -> None:
     _write_head(draft, component, docs)
 
 
-def _find_lists(draft: ModuleDraft, component: OldComponent, types: ValueTypes) -> None:
+def write_values(draft: ModuleDraft, beside: OldComponent) -> None:
+    """Write what a function or class beside the components does with values of data types."""
+    types = ValueTypes(draft, beside)
+    _find_lists(beside, types)
+    writer = ExpressionWriter(draft, beside, {}, types)
+    writer.write()
+    _write_stores(draft, beside, writer)
+
+
+def _find_lists(component: OldComponent, types: ValueTypes) -> None:
     """Find variables that hold a received sequence, but are used as lists."""
     for node in ast.walk(component.node):
         is_tuple = isinstance(node, ast.Name) and types.is_tuple(node)
@@ -356,6 +365,7 @@ def _without_return(body: str) -> str:
 def _write_head(draft: ModuleDraft, component: OldComponent, docs: dict[str, str]) -> None:
     """Write the head of the class: docstring, identity, ports, parameters."""
     source, node = draft.source, component.node
+    assert isinstance(node, ast.ClassDef)
     for base in node.bases:
         if draft.qualified(base) == _BASE:
             source.replace(base, draft.native("Component"))

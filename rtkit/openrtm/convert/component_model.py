@@ -104,9 +104,9 @@ class BoundData:
 
 @dataclass
 class OldComponent:
-    """A component class of the old kind."""
+    """A component class of the old kind; or a function or class beside one, without ports."""
 
-    node: ast.ClassDef
+    node: ast.ClassDef | ast.FunctionDef
     spec: dict[str, str]
     ports: dict[str, OldPort] = field(default_factory=dict)
     parameters: dict[str, OldParameter] = field(default_factory=dict)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
+from rtkit.openrtm.convert.class_writing import write_values
 from rtkit.openrtm.convert.component_model import OldComponent
 from rtkit.openrtm.convert.draft import API, FOREIGN, MARK, HandWork, ModuleDraft
 from rtkit.openrtm.convert.expressions import write_name
@@ -43,13 +44,16 @@ def write_module(draft: ModuleDraft, components: list[OldComponent]) -> None:
 
 
 def write_outside(draft: ModuleDraft, components: list[OldComponent]) -> None:
-    """Write names of data types and return codes in what is no component."""
+    """Write what is no component: names of the API, and values that functions make and change."""
     classes = {id(each.node) for each in components}
     for statement in draft.source.tree.body:
-        if id(statement) in classes:
+        if id(statement) in classes or draft.source.is_removed(statement):
             continue
-        for node in reversed([*ast.walk(statement)]):
-            write_name(draft, node)
+        if isinstance(statement, (ast.FunctionDef, ast.ClassDef)):
+            write_values(draft, OldComponent(statement, {}))
+        else:
+            for node in reversed([*ast.walk(statement)]):
+                write_name(draft, node)
 
 
 def _starting(
@@ -91,7 +95,8 @@ def _init_function(
 
 
 def _init_lines(draft: ModuleDraft, name: str, components: list[OldComponent]) -> list[str]:
-    body = [f"    manager.register_factory({each.node.name})" for each in components]
+    registered = [each for each in components if each.spec] or components
+    body = [f"    manager.register_factory({each.node.name})" for each in registered]
     manager = draft.native("Manager")
     return [f"def {name}(manager: {manager}) -> None:", *body]
 
@@ -155,7 +160,7 @@ def _others(body: list[ast.stmt], starting: set[str]) -> Iterator[ast.stmt]:
             for node in nodes
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
         }
-        is_profile = any(isinstance(n, ast.Attribute) and n.attr == "Properties" for n in nodes)
+        is_profile = "Properties" in {getattr(n, "attr", getattr(n, "id", "")) for n in nodes}
         is_quiet = isinstance(statement, (ast.Pass, ast.Return, ast.Global)) or (
             isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
         )

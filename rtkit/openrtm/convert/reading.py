@@ -41,7 +41,18 @@ def read_components(draft: ModuleDraft) -> list[OldComponent]:
             component = OldComponent(node, dict(registered.get(node.name, {})))
             _read_ports(draft, component)
             found.append(component)
+    _mark_heirs(draft, {each.node.name for each in found})
     return found
+
+
+def _mark_heirs(draft: ModuleDraft, names: set[str]) -> None:
+    """Mark classes that derive from a component of the module: what they inherit is renamed."""
+    for node in draft.source.tree.body:
+        if not isinstance(node, ast.ClassDef):
+            continue
+        if any(isinstance(base, ast.Name) and base.id in names for base in node.bases):
+            names.add(node.name)
+            draft.mark(node, "it derives from a component of this file, which is another now")
 
 
 def _is_component(draft: ModuleDraft, node: ast.ClassDef) -> bool:

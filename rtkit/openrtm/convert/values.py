@@ -82,9 +82,9 @@ def fitted(layout: Layout, text: str) -> str:
 
 def zero_text(layout: Layout) -> str:
     """Return the expression for the default of a part that is no structure."""
-    if isinstance(layout, BasicLayout):
-        return repr(layout.zero)
-    return "[]"
+    if layout.name == _OCTETS:
+        return 'b""'
+    return repr(layout.zero) if isinstance(layout, BasicLayout) else "[]"
 
 
 def initial_of(
@@ -111,6 +111,8 @@ def initial_of(
         return f"{draft.data_name(layout.cls)}()"
     if keeps_literals and isinstance(node, ast.Constant) and node.value is not None:
         return draft.source.render(node)
+    if layout.name == _OCTETS and isinstance(node, ast.List) and not node.elts:
+        return zero_text(layout)
     if node is None or (not isinstance(node, ast.List) and is_zero(draft, node, layout)):
         return zero_text(layout)
     return draft.source.render(node)

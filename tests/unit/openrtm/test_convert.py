@@ -455,6 +455,32 @@ def test_imports_are_those_that_are_used() -> None:
     assert not {"import os", "import sys", "OpenRTM", "import RTC"} & set(text.splitlines())
 
 
+def test_names_of_a_star_import() -> None:
+    source = old("self._d_out.data = 4\nself._outOut.write()").replace("OpenRTM_aist.", "")
+    source = source.replace("import OpenRTM_aist\n", "from OpenRTM_aist import *\n")
+    assert written(component_of(source)) == [4]
+
+
+def test_functions_beside_a_component_make_and_change_values() -> None:
+    source = old("self._outOut.write(made(3))").replace(
+        "class Old(",
+        "def made(number):\n"
+        "    value = RTC.TimedLong(RTC.Time(0, 0), 1)\n"
+        "    value.data += number\n"
+        "    OpenRTM_aist.setTimestamp(value)\n"
+        "    return value\n\n\nclass Old(",
+    )
+    assert written(component_of(source)) == [4]
+
+
+def test_octets_are_bytes() -> None:
+    source = old(
+        "self._outOut.write()\nself._d_out.data = b'ab'",
+        out="TimedOctetSeq(RTC.Time(0, 0), [])",
+    )
+    assert written(component_of(source), TimedLong(), TimedLong()) == [b"", b"ab"]
+
+
 def test_logger() -> None:
     text = converted(old('self._rtcout.RTC_INFO("at %d of %d", (1, 2))')).text
     assert 'self.logger.info("at %d of %d", 1, 2)' in text
@@ -477,6 +503,7 @@ def test_the_init_function_has_a_name_of_its_own() -> None:
 
 
 NEED_A_HAND = {
+    "heir": (old("pass") + "\nclass Heir(Old):\n    pass\n", "derives from a component"),
     "service port": (
         old("pass", setup='self._p = OpenRTM_aist.CorbaPort("p")', prepare="self.addPort(self._p)"),
         "a service port",
