@@ -8,6 +8,7 @@ from rtkit.component.type_layout import StructLayout, layout_of
 from rtkit.openrtm.convert.component_model import OldComponent, is_self
 from rtkit.openrtm.convert.data_plans import DataPlan
 from rtkit.openrtm.convert.draft import API, ModuleDraft
+from rtkit.openrtm.convert.foreign import LISTENER
 from rtkit.openrtm.convert.naming import CALLBACKS, SIMPLE
 from rtkit.openrtm.convert.reading import data_type_of, is_call_of_method
 from rtkit.openrtm.convert.value_types import ValueTypes
@@ -310,7 +311,7 @@ def _why_not(method: ast.AST) -> str:
     if not isinstance(method, ast.Attribute):
         return "a port is used as a value"
     if "Listener" in method.attr:
-        return "a listener of a connector: look at the port in on_execute"
+        return LISTENER
     return f"a native port has no {method.attr}"
 
 

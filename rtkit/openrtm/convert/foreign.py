@@ -9,6 +9,9 @@ from rtkit.openrtm.convert.component_model import OldComponent, is_self
 from rtkit.openrtm.convert.draft import API, FOREIGN, ModuleDraft
 from rtkit.openrtm.convert.naming import OLD_BASE
 
+LISTENER = (
+    "a listener of a connector: use self.PORT.add_listener(ConnectorEvent.RECEIVED, self.METHOD)"
+)
 _SERVICE = "a service port: declare it in the class with ServicePort.provided or .required"
 _REASONS = (
     (
@@ -17,7 +20,7 @@ _REASONS = (
     ),
     (
         ("ConnectorDataListener", "ConnectorListener", "ConnectorDataListenerT"),
-        "a listener of a connector: look at the port in on_execute",
+        LISTENER,
     ),
     (
         ("InPort", "OutPort"),
