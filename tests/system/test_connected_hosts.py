@@ -15,6 +15,7 @@ from farkit import FarHost
 from fleetkit import NEEDS_HOSTS, cut, hosts_named, linked, linked_again
 from forked import Commands
 from shells import Shell
+from terminal import opened
 from waiting import until
 
 pytestmark = NEEDS_HOSTS
@@ -317,3 +318,37 @@ def test_a_host_that_is_not_linked_is_named_at_once(fleet: Shell) -> None:
     told = fleet.run(f"rtcon {OUT} /robot9/A.rtc:into")
     assert told.status == 1
     assert "robot9" in told.err
+
+
+ASKS = """
+from rtkit.component import Component
+
+
+class Asks(Component):
+    def on_execute(self, context):
+        print("got", input("robot asks: "))
+
+
+def AsksInit(manager):
+    manager.register_factory(Asks)
+"""
+
+
+def test_a_component_of_another_host_is_answered_from_here(
+    fleet: Shell, hosts: list[FarHost]
+) -> None:
+    hosts[0].write("/root/Asks.py", ASKS)
+    fleet.ok("rtmgr /robot1/manager.mgr -c 'Asks?manager_name=asking'")
+    fleet.ok("rtact /robot1/Asks0.rtc")
+    until(lambda: "waiting for input" in fleet.ok("rtls -l /robot1"), "it never waited")
+    fleet.ok("rtattach --send yes /robot1/Asks0.rtc")
+    command = fleet.command("rtattach /robot1/Asks0.rtc")
+    environment = {**fleet.environment, "TERM": "xterm"}
+    with opened(command, environment, fleet.folder) as terminal:
+        terminal.until("got yes")
+        terminal.type("again\r")
+        terminal.until("got again")
+        terminal.type("\x1d")
+        terminal.until("left /robot1/Asks0.rtc, which goes on")
+        assert terminal.status() == 0
+    fleet.ok("rtexit /robot1/Asks0.rtc")
