@@ -217,6 +217,28 @@ class DataTree(client.Tree):
 
         return call(self, operation, arguments, self.timeout_s if timeout_s is None else timeout_s)
 
+    def answer(self, path: str, *lines: str, timeout_s: float = 2.0) -> None:
+        """Type lines at the terminal of a component that asks, and wait until it has read them.
+
+        Example::
+
+            tree.answer("/localhost/ConsoleIn0.rtc", "5")
+
+        Args:
+            path: The component.
+            lines: What is typed, without the ends of lines.
+            timeout_s: How long the component may take to read them [s].
+
+        Raises:
+            Malformed: A line is longer than a terminal takes.
+            Refused: It has not read all of them in time; what is left stays there to be read.
+        """
+        from rtkit.api.attaching import TerminalClient
+
+        facts = self.component(path)
+        client = TerminalClient(self.led_to(path), facts.instance)
+        client.send((as_text(line, "a line").encode() for line in lines), timeout_s)
+
     # Configuration sets
 
     def configure(self, path: str, set_id: str = "", **values: Value) -> None:

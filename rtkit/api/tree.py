@@ -438,8 +438,8 @@ def _loaded(profile: Source, hosts: Mapping[str, str], *, strict: bool = False) 
 
 
 _FIRST = """
-activate activate_set add_set apply apply_profile bring_up call check close component configure
-connect copy_set create deactivate delete disconnect events follow get goto host led_to listing live
-load logs ls manager notify plan properties read remove_set reset save set snapshot start states
-stop stop_manager teardown tick timeout_s unfollow values wait write
+activate activate_set add_set answer apply apply_profile bring_up call check close component
+configure connect copy_set create deactivate delete disconnect events follow get goto host led_to
+listing live load logs ls manager notify plan properties read remove_set reset save set snapshot
+start states stop stop_manager teardown tick timeout_s unfollow values wait write
 """

@@ -14,6 +14,8 @@ import pytest
 from terminal import Terminal, opened
 from waiting import facts_of, told_pid, until
 
+from rtkit.api.data_tree import DataTree
+from rtkit.errors import Malformed, Refused
 from rtkit.tree.client import Tree
 
 KEEPS_MANAGER = True
@@ -166,6 +168,18 @@ def test_lines_of_stdin_are_sent_up_to_the_end_that_is_typed(manager: Any) -> No
     with attached(manager, path) as terminal:
         terminal.type("\x04")
         terminal.until(re.escape(r"got ['a\n', 'b\n', 'c\n']"))
+
+
+def test_a_script_answers(manager: Any, tree: Tree) -> None:
+    path = asks(manager)
+    with_methods = DataTree(tree.link, tree.host, tree.manager)
+    with_methods.answer(path, "1", "2")
+    until(lambda: "got '2'" in shown(manager, path), "it never answered")
+    with pytest.raises(Malformed, match="a terminal takes 4094"):
+        with_methods.answer(path, "x" * 5000)
+    manager.ok(f"rtdeact {path}")
+    with pytest.raises(Refused, match="has not read it"):
+        with_methods.answer(path, "3", timeout_s=0.01)
 
 
 def test_many_lines_all_arrive_in_their_order(manager: Any) -> None:
