@@ -6,7 +6,7 @@ go to the page as they are; ``web/src/model/types.ts`` has their types.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from time import monotonic
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -113,7 +113,7 @@ def _add_manager(found: SystemRecords, manager: KnownManager, hostname: str) -> 
         "rights": manager.rights and manager.rights._asdict(),
     }
     processes: dict[str, str] = {}
-    for process in facts.processes:
+    for process in (*facts.processes, *_ended(facts)):
         is_own = process.pid == facts.pid
         id = manager.id if is_own else f"{manager.id}/{process.name}{MANAGER_SUFFIX}"
         processes[process.name] = id
@@ -134,6 +134,13 @@ def _add_manager(found: SystemRecords, manager: KnownManager, hostname: str) -> 
             context["owner"] = ids.get(context["owner"], context["owner"])
             context["participants"] = [ids.get(name, name) for name in context["participants"]]
         found.components[ids[each.instance]] = record
+
+
+def _ended(facts: Snapshot) -> Iterable[ProcessFacts]:
+    """Return the processes of zombies that ended before this manager began: they have no pid."""
+    known = {each.name for each in facts.processes}
+    ended = {each.process: each.zombie for each in facts.components if each.process not in known}
+    return (ProcessFacts(name, True, 0, "lost", why) for name, why in ended.items() if why)
 
 
 def _process(process: ProcessFacts, id: str, manager: KnownManager) -> Record:

@@ -34,6 +34,19 @@ def test_a_look_is_what_is_so(changed: dict[str, object], look: str, word: str) 
     assert record["sets"]["default"] == {"a": "1"}
 
 
+def test_zombies_are_in_their_slaves_also_where_these_ended_before_the_manager_began() -> None:
+    dead = {"A": "s1", "B": "s2"}
+    parts = [replace(component(c), process=p, zombie="signal 9") for c, p in dead.items()]
+    records = records_of([manager(*parts, component("C"))], "host")
+    for name, process in dead.items():
+        slave = f"/localhost/manager.mgr/{process}.mgr"
+        assert records.components[f"/localhost/{name}.rtc"]["process"] == slave
+        found = records.processes[slave]
+        assert (found["state"], found["why"], found["is_slave"]) == ("lost", "signal 9", True)
+    assert records.components["/localhost/C.rtc"]["process"] == "/localhost/manager.mgr"
+    assert len(records.processes) == 3
+
+
 def test_what_a_silent_manager_held_is_unreachable() -> None:
     records = records_of([manager(component("A"), why="was killed")], "host")
     assert records.managers["/localhost/manager.mgr"]["state"] == "gone"

@@ -32,7 +32,7 @@ export function ManagerInspector({ system, id }: { system: System; id: string })
       {components.length > 0 && <VerbButtons components={components} />}
       <Fields rows={[
         [words.manager, !manager && process ? <Link key="manager" id={process.manager} /> : ''],
-        [words.host, manager?.host], [words.pid, String(manager?.pid ?? process?.pid ?? '')], [words.version, manager?.version],
+        [words.host, manager?.host], [words.pid, String(manager?.pid || process?.pid || '')], [words.version, manager?.version],
         [words.path, <code key="path">{id}</code>],
       ]} />
       <Section title={texts.table.components} count={components.length}>
