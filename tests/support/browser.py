@@ -147,8 +147,13 @@ class Browser:
 
     def touch(self, x: float, y: float) -> None:
         """Touch a place with a finger, and let go."""
-        for kind, points in (("touchStart", [{"x": x, "y": y}]), ("touchEnd", [])):
-            self._do("Input.dispatchTouchEvent", type=kind, touchPoints=points)
+        self.finger("touchStart", x, y)
+        self.finger("touchEnd")
+
+    def finger(self, kind: str, *place: float) -> None:
+        """Put down or move a finger to a place, or lift it: touchStart, touchMove, touchEnd."""
+        points = [dict(zip("xy", place, strict=True))] if place else []
+        self._do("Input.dispatchTouchEvent", type=kind, touchPoints=points)
 
     def click(self, selector: str) -> None:
         """Click the middle of an element."""

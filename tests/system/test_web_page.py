@@ -120,13 +120,37 @@ def test_ports_are_connected_by_mouse_and_it_is_undone(
     page.wait_for(is_there(".hint[role=status]"))
     page.mouse("mouseReleased", *end)
     page.wait_for(is_there("dialog.connect[open] button.primary:not([disabled])"))
-    page.click("dialog.connect button.primary")
+    page.key("Enter")
     page.wait_for(is_there(EDGE))
     assert "Out0.rtc:in" in manager.ok(f"rtcat -l {IN}")
     page.wait_for(has_text(".toasts", "rtcon"))
     page.key("z", is_control=True)
     page.wait_for(f"!({is_there(EDGE)})")
     assert "Out0.rtc:in" not in manager.ok(f"rtcat -l {IN}")
+
+
+def test_a_wire_ends_with_its_finger_though_its_box_was_scrolled_out_of_sight(
+    page: browser.Browser,
+) -> None:
+    page.finger("touchStart", *page.middle(port(IN, "out")))
+    left, top, width, height = page.place(".react-flow")
+    for part in (0.5, 0.8, 1.0):
+        page.finger("touchMove", left + part * (width - 4), top + height / 2)
+    page.wait_for(is_there(".hint[role=status]"))
+    page.wait_for(f"!({is_there(node(IN))})")
+    page.finger("touchEnd")
+    page.wait_for(f"!({is_there('.hint[role=status]')})")
+    page.wait_for(f"!({is_there('.react-flow__connection')})")
+
+
+def test_connect_tells_that_its_source_has_gone(page: browser.Browser, manager: Shell) -> None:
+    page.evaluate(f"location.hash = '#select={IN}'")
+    page.wait_for(has_text(".inspector h2", "In0"))
+    page.key("c")
+    page.wait_for(is_there("dialog.connect[open] select"))
+    manager.ok(f"rtexit {IN}")
+    page.wait_for(has_text("dialog.connect[open]", "In0 has gone"))
+    page.wait_for(f"!({is_there('dialog.connect select')})")
 
 
 def test_connect_and_activate_by_keyboard_alone(page: browser.Browser, manager: Shell) -> None:

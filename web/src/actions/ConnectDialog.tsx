@@ -27,6 +27,7 @@ export function ConnectDialog({ system, component, from, to }: Props) {
   const ownPort = ports.find((port) => port.name === own);
   const wrongLine = badLine(wish.further);
   const close = () => open(null);
+  const gone = [component, ...(to ? [to.component] : [])].find((id) => !system.components.has(id));
 
   const submit = (event: SyntheticEvent) => {
     event.preventDefault();
@@ -40,6 +41,14 @@ export function ConnectDialog({ system, component, from, to }: Props) {
     void perform([action], texts.label.connect(endText(portEnd(ends[0])), endText(portEnd(ends[1]))));
   };
 
+  if (gone !== undefined) {
+    return (
+      <Modal title={texts.connect.title} className="connect" onClose={close}>
+        <p className="error" role="alert">{texts.live.gone(shortName(gone))}</p>
+        <footer><button type="button" onClick={close}>{texts.plan.cancel}</button></footer>
+      </Modal>
+    );
+  }
   return (
     <Modal title={texts.connect.title} className="connect" onClose={close}>
       <form method="dialog" onSubmit={submit}>
@@ -56,7 +65,7 @@ export function ConnectDialog({ system, component, from, to }: Props) {
         {ownPort?.direction !== 'service' && <ConnectorOptions wish={wish} onChange={setWish} wrongLine={wrongLine} />}
         <footer>
           <button type="button" onClick={close}>{texts.plan.cancel}</button>
-          <button type="submit" className="primary" disabled={!far || wrongLine !== null || !canChange}>{texts.act.connect}</button>
+          <button type="submit" className="primary" data-first={to ? '' : undefined} disabled={!far || wrongLine !== null || !canChange}>{texts.act.connect}</button>
         </footer>
       </form>
     </Modal>

@@ -19,6 +19,7 @@ import { ComponentNode } from './ComponentNode';
 import { ConnectingContext, type Connecting } from './ConnectingContext';
 import { FrameNode } from './FrameNode';
 import { FIT, buildEdges, buildNodes, keeper, placedBoxes, type GraphNode, type WireEdgeType } from './graph';
+import { keptTouch } from './touch';
 import { Wire } from './Wire';
 
 const NODE_TYPES = { component: ComponentNode, frame: FrameNode };
@@ -141,7 +142,7 @@ function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
           onEdgeClick={(event, edge) => pick(nearestWire(event)?.getAttribute('data-id') ?? edge.id, event.shiftKey || event.ctrlKey || event.metaKey)}
           onEdgeMouseMove={(event) => event.buttons || aim(nearestWire(event))} onEdgeMouseLeave={() => aim(null)}
           onPaneClick={() => editor.select([])}
-          onConnectStart={(_, start) => begin(start)} onConnectEnd={end} onConnect={connect} isValidConnection={allows}
+          onConnectStart={begin} onConnectEnd={end} onConnect={connect} isValidConnection={allows}
           nodesConnectable={editor.canChange} connectionMode={ConnectionMode.Loose} connectionLineType={ConnectionLineType.SmoothStep}
           connectionRadius={18} disableKeyboardA11y elementsSelectable={false} edgesFocusable onlyRenderVisibleElements
           fitView fitViewOptions={FIT} minZoom={0.05} maxZoom={2} deleteKeyCode={null} selectionKeyCode={null}
@@ -211,8 +212,11 @@ function useConnecting() {
   const texts = useTexts();
   const [connecting, setConnecting] = useState<Connecting | null>(null);
   const [why, setWhy] = useState('');
-  const begin = useCallback(({ nodeId, handleId }: OnConnectStartParams) => {
+  const release = useRef<() => void>(() => undefined);
+  const begin = useCallback((event: MouseEvent | TouchEvent, { nodeId, handleId }: OnConnectStartParams) => {
     if (!nodeId || !handleId) return;
+    release.current();
+    release.current = keptTouch(event.target);
     const from = { component: nodeId, port: handleId };
     setConnecting({ from, whys: null });
     api.connectable(portPath(from)).then(
@@ -221,6 +225,7 @@ function useConnecting() {
     );
   }, [api]);
   const end = useCallback(() => {
+    release.current();
     setConnecting(null);
     setWhy('');
   }, []);
