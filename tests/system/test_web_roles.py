@@ -202,6 +202,42 @@ def test_controls_of_what_a_viewer_may_not_do_are_disabled_with_the_reason(
         assert "ConsoleIn0" in robot.there("rtls /localhost").out
 
 
+NOTE = "document.querySelector('.room .rights')?.textContent"
+
+
+@needs_browser
+def test_rooms_disable_what_a_viewer_may_not_do_with_the_reason(
+    robot: Robot, page_of: Served, tmp_path: Path
+) -> None:
+    given = f"{robot.path}/ConsoleIn0.rtc.configuration.default"
+    with page_of("anna") as client, looking(client, tmp_path) as page:
+        page.wait_for("document.querySelector('[role=treeitem]') !== null")
+        page.evaluate(f"location.hash = '#view=properties&of={given}'")
+        page.wait_for("document.querySelector('.widgets [data-name]') !== null")
+        page.wait_for(f"{NOTE}?.startsWith('anna is viewer at robot1')")
+        fields = "[...document.querySelectorAll('.widgets :is(input, select, button, textarea)')]"
+        is_fixed = f"{fields}.length && {fields}.every((each) => each.disabled || each.readOnly)"
+        page.wait_for(is_fixed)
+        page.evaluate("location.hash = '#view=plan'")
+        page.wait_for("document.querySelector('.plans-form [type=submit]') !== null")
+        page.evaluate("document.querySelector('.plans-form [type=submit]').click()")
+        start = "document.querySelector('.plans-main section > button')"
+        page.wait_for(f"{start}?.disabled === true")
+        page.wait_for(f"{NOTE}?.startsWith('anna is viewer at robot1')")
+        page.evaluate(f"location.hash = '#view=machine&of={robot.path}/butler'")
+        page.wait_for(f"{NOTE}?.startsWith('anna is viewer at robot1')")
+        assert page.troubles() == []
+    with page_of("bert") as client, looking(client, tmp_path) as page:
+        page.wait_for("document.querySelector('[role=treeitem]') !== null")
+        page.evaluate(f"location.hash = '#view=properties&of={given}'")
+        page.wait_for(f"{fields}.length && !({is_fixed})")
+        assert page.evaluate(NOTE) is None
+        page.evaluate("location.hash = '#view=plan'")
+        page.wait_for("document.querySelector('.plans-form [type=submit]') !== null")
+        page.evaluate("document.querySelector('.plans-form [type=submit]').click()")
+        page.wait_for(f"{start}?.disabled === false")
+
+
 @needs_browser
 def test_an_operator_may_change_what_is_there_and_make_nothing(
     robot: Robot, page_of: Served, tmp_path: Path

@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 
-import { lackingAt } from '../src/model/rights';
+import { lackingAt, lackingFor, managersAt } from '../src/model/rights';
 import { EMPTY_SYSTEM, reduceSystem } from '../src/model/system';
 import type { Manager, Rights } from '../src/model/types';
 import { component, picture, wire } from './records';
@@ -26,4 +26,20 @@ test('an operator changes what is there, and makes and ends nothing', () => {
   expect(lackingAt(system, [B, 'w'], 'operator')).toBeUndefined();
   expect(lackingAt(system, [B], 'administrator')?.id).toBe(FAR);
   expect(lackingAt(systemWith('administrator'), [B], 'administrator')).toBeUndefined();
+});
+
+test('a property belongs to the managers at its place, a service without a place to none', () => {
+  const system = systemWith('viewer');
+  expect(managersAt(system, '/robot/B.rtc.configuration.default.x')).toEqual([FAR]);
+  expect(managersAt(system, '/localhost/A.rtc.state')).toEqual([OWN]);
+  expect(managersAt(system, 'robots/r1.speed')).toEqual([]);
+});
+
+test('a plan is for who may do it at the hosts that it names, or at one of all', () => {
+  const system = systemWith('operator');
+  expect(lackingFor(system, 'administrator', new Set(['robot']))?.id).toBe(FAR);
+  expect(lackingFor(system, 'operator', new Set(['robot']))).toBeUndefined();
+  expect(lackingFor(system, 'administrator', new Set(['elsewhere']))).toBeUndefined();
+  const far = { ...system, managers: new Map([...system.managers].filter(([id]) => id === FAR)) };
+  expect(lackingFor(far, 'administrator', new Set())?.id).toBe(FAR);
 });

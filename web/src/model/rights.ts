@@ -22,6 +22,20 @@ function managersOf(system: Known, ids: readonly string[]): Manager[] {
   return [...owners].flatMap((id) => system.managers.get(id) ?? []);
 }
 
+const placeOf = (path: string): string => (path.startsWith('/') ? (path.split('/')[1] ?? '') : '');
+
+/** The managers at the place of a property, component or service; none for what is named without a place, which is of this host. */
+export const managersAt = (system: Known, target: string): string[] =>
+  [...system.managers.keys()].filter((id) => placeOf(id) === placeOf(target));
+
+/** A manager at which a plan may not be carried out: of the hosts that are named, or any of all where every one refuses. */
+export function lackingFor(system: Known, needed: Needed, hosts: ReadonlySet<string>): Manager | undefined {
+  const managers = [...system.managers.values()];
+  const concerned = managers.filter(({ id, host }) => hosts.has(host) || hosts.has(placeOf(id)));
+  const lacking = (concerned.length ? concerned : managers).filter(({ rights }) => !suffices(rights, needed));
+  return concerned.length || lacking.length === managers.length ? lacking[0] : undefined;
+}
+
 /** The first manager of some things where the user may not do what takes a role. */
 export const lackingAt = (system: Known, ids: readonly string[], needed: Needed): Manager | undefined =>
   managersOf(system, ids).find((manager) => !suffices(manager.rights, needed));

@@ -1,6 +1,8 @@
 import { useState } from 'react';
 
+import { suffices } from '../../model/rights';
 import type { System } from '../../model/system';
+import { RightsNote } from '../../panels/RightsGate';
 import { Modal } from '../../parts/Modal';
 import { useEditor } from '../../shell/contexts';
 import { ChoiceField, TextField } from './fields';
@@ -13,7 +15,8 @@ export function CreateMachineDialog({ system, name, text, onCreated, onClose }: 
   const texts = useMachineTexts();
   const words = texts.creating;
   const { perform } = useEditor();
-  const managers = [...system.managers.values()].filter((one) => one.state === 'up');
+  const up = [...system.managers.values()].filter((one) => one.state === 'up');
+  const managers = up.filter(({ rights }) => suffices(rights, 'administrator'));
   const [service, setService] = useState(name);
   const [instance, setInstance] = useState(name);
   const [manager, setManager] = useState(managers[0]?.id ?? '');
@@ -34,7 +37,8 @@ export function CreateMachineDialog({ system, name, text, onCreated, onClose }: 
   return (
     <Modal title={words.title} className="machine-create" onClose={onClose}>
       <form method="dialog" onSubmit={(event) => { event.preventDefault(); if (isReady) void create(); }}>
-        {managers.length === 0 && <p className="error">{words.noManager}</p>}
+        {up.length === 0 && <p className="error">{words.noManager}</p>}
+        {managers.length === 0 && <RightsNote system={system} ids={up.map(({ id }) => id)} />}
         {text === '' && <p className="error">{words.wrong}</p>}
         <TextField label={words.service} value={service} onChange={setService} />
         <TextField label={words.instance} value={instance} onChange={setInstance} />

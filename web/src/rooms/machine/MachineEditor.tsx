@@ -1,6 +1,8 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 
+import { managersAt } from '../../model/rights';
 import type { System } from '../../model/system';
+import { RightsNote } from '../../panels/RightsGate';
 import { Icon } from '../../parts/icons';
 import { useEditor } from '../../shell/contexts';
 import { isTyping } from '../../shell/useShortcuts';
@@ -40,6 +42,7 @@ export function MachineEditor({ service, system }: { service: string; system: Sy
         {live.why && <span className="warning" role="status">⚠ {texts.gone(live.why)}</span>}
         {live.machine && <LiveBar service={service} live={{ ...live, machine: live.machine }} />}
       </header>
+      <RightsNote system={system} ids={managersAt(system, service)} />
       {draft ? <Drawn service={service} system={system} live={live} draft={draft} drafting={drafting} /> : !live.why && <p className="empty">{texts.connecting}</p>}
     </main>
   );

@@ -27,7 +27,7 @@ interface Props {
 export function MachineFiles({ machine, service, isChanged, selected, onOpen, onClose }: Props) {
   const texts = useMachineTexts();
   const words = texts.saving;
-  const { api, perform, canChange } = useEditor();
+  const { api, perform, canWrite } = useEditor();
   const [problem, setProblem] = useState('');
   const [places, setPlaces] = useState<Places | null>(null);
   const [source, setSource] = useState('');
@@ -84,8 +84,8 @@ export function MachineFiles({ machine, service, isChanged, selected, onOpen, on
           <h3>{words.to}</h3>
           {isChanged && <p className="warning">{words.notApplied}</p>}
           <form className="row" onSubmit={(event) => { event.preventDefault(); if (target) void keep(); }}>
-            <TextField isHidden label={words.target} placeholder="files.machines.new.ttl" value={target} list={`${id}-targets`} isDisabled={!canChange} onChange={setTarget} />
-            <button type="submit" disabled={!target || !canChange}>{words.save}</button>
+            <TextField isHidden label={words.target} placeholder="files.machines.new.ttl" value={target} list={`${id}-targets`} isDisabled={!canWrite} onChange={setTarget} />
+            <button type="submit" disabled={!target || !canWrite}>{words.save}</button>
           </form>
           <datalist id={`${id}-targets`}>{[...(places?.stored ?? []), ...(places?.folders.map((folder) => `${folder}/${machine.name}.ttl`) ?? [])].map((one) => <option key={one} value={one} />)}</datalist>
           {isFile && <label className="check"><input type="checkbox" checked={isReplaced} onChange={(event) => setReplaced(event.target.checked)} />{words.replace}</label>}

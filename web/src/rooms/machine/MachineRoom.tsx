@@ -1,3 +1,5 @@
+import { managersAt } from '../../model/rights';
+import { RightsGate } from '../../panels/RightsGate';
 import type { RoomProps } from '../../shell/rooms';
 import './machine.css';
 import { MachineEditor } from './MachineEditor';
@@ -7,5 +9,5 @@ import { NEW, Overview } from './Overview';
 export default function MachineRoom({ system, view }: RoomProps) {
   if (!view.of) return <Overview />;
   const service = view.of === NEW ? '' : view.of;
-  return <MachineEditor key={service} service={service} system={system} />;
+  return <RightsGate system={system} ids={managersAt(system, service)}><MachineEditor key={service} service={service} system={system} /></RightsGate>;
 }

@@ -1,7 +1,9 @@
 import { useState } from 'react';
 
+import { lackingFor } from '../../model/rights';
 import type { System } from '../../model/system';
 import type { Job } from '../../model/types';
+import { RightsNote } from '../../panels/RightsGate';
 import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
 import { AS_IT_IS, HostTable, type Mapping } from './HostTable';
@@ -9,7 +11,7 @@ import { PartTable } from './PartTable';
 import { withoutParts } from './parts';
 import type { Place } from './place';
 import { CheckList, CommandLine, StepTable } from './StepTable';
-import { DEEDS, FLAGS, STATES, type Deed, type Flag, type Plan, type PlanRequest } from './types';
+import { DEEDS, FLAGS, NEEDED, STATES, type Deed, type Flag, type Plan, type PlanRequest } from './types';
 import { useProfile } from './useProfile';
 import type { PlanTexts } from './usePlanTexts';
 
@@ -46,6 +48,8 @@ export function DoPanel({ texts, file, system, onGo }: { texts: PlanTexts; file:
   const { map, place, set, prefix, left } = mapping;
   const placed = Object.fromEntries(Object.entries(place).filter(([name]) => !left.has(name)));
   const request: PlanRequest = { do: deed, file, flags: flags.filter((flag) => FLAGS[deed].includes(flag)), ...(deed === 'apply' && { state }), ...(file && { map, place: placed, set, prefix, without: profile ? withoutParts(profile, left) : [] }) };
+  const hosts = new Set((profile?.components ?? []).map(({ host }) => map[host] ?? host));
+  const lacking = lackingFor(system, NEEDED[deed], hosts);
   const look = () => wait(api.post<Plan>('/api/plans/show', request).then((plan) => setShown({ request, plan })));
   const start = ({ request: asked, plan }: Shown) =>
     wait(api.post<Job>('/api/plans/start', { ...asked, shown: plan.steps.map((step) => step.text) }).then((job) => onGo({ tab: 'job', of: job.id })));
@@ -90,8 +94,9 @@ export function DoPanel({ texts, file, system, onGo }: { texts: PlanTexts; file:
           <Head texts={texts} plan={shown.plan} />
           <CommandLine texts={texts} command={shown.plan.command} />
           {shown.plan.notes.length > 0 && <ul className="warning">{shown.plan.notes.map((note) => <li key={note}>{note}</li>)}</ul>}
+          {lacking && <RightsNote system={system} ids={[lacking.id]} />}
           {shown.plan.steps.some((step) => !step.holds) && (
-            <button type="button" className={deed === 'take_down' ? 'danger filled' : 'primary'} disabled={!canChange || isBusy} onClick={() => void start(shown)}>{texts.go(texts.deeds[deed])}</button>
+            <button type="button" className={deed === 'take_down' ? 'danger filled' : 'primary'} disabled={!canChange || isBusy || Boolean(lacking)} onClick={() => void start(shown)}>{texts.go(texts.deeds[deed])}</button>
           )}
           <CheckList texts={texts} checks={shown.plan.checks ?? []} />
           <StepTable texts={texts} steps={shown.plan.steps} news={null} />

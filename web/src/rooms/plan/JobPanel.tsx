@@ -1,5 +1,7 @@
 import { Fragment, useMemo, useState } from 'react';
 
+import { lackingFor } from '../../model/rights';
+import type { System } from '../../model/system';
 import type { Job } from '../../model/types';
 import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
@@ -8,10 +10,11 @@ import { JobWord } from './FileList';
 import type { Place } from './place';
 import { progressOf, toldBy, type Trouble } from './progress';
 import { CommandLine, StepTable } from './StepTable';
+import { NEEDED } from './types';
 import type { PlanTexts } from './usePlanTexts';
 
 /** A plan that is carried out: each step, what went wrong as one tree, and what may be done about it. All pages see the same. */
-export function JobPanel({ texts, job, onGo }: { texts: PlanTexts; job: Job; onGo: (to: Partial<Place>) => void }) {
+export function JobPanel({ texts, system, job, onGo }: { texts: PlanTexts; system: System; job: Job; onGo: (to: Partial<Place>) => void }) {
   const { api, canChange } = useEditor();
   const { rows, error } = useJobRows(job.id);
   const { plan, request, parts: told, notes } = useMemo(() => toldBy(rows), [rows]);
@@ -32,7 +35,7 @@ export function JobPanel({ texts, job, onGo }: { texts: PlanTexts; job: Job; onG
         <progress max={all || 1} value={isOver && job.status === 0 ? all || 1 : done} aria-label={texts.of(done, all)} />
         <span role="status">{texts.of(done, all)}</span>
         {!isOver && <button type="button" className="danger" disabled={!canChange || said !== ''} onClick={stop}>{texts.stop}</button>}
-        {trouble && <button type="button" className="primary" title={texts.retryHint} disabled={!canChange} onClick={() => post('/api/plans/start', request, (next) => onGo({ tab: 'job', of: next.id }))}>{texts.retry}</button>}
+        {trouble && <button type="button" className="primary" title={texts.retryHint} disabled={!canChange || Boolean(lackingFor(system, NEEDED[request.do], new Set()))} onClick={() => post('/api/plans/start', request, (next) => onGo({ tab: 'job', of: next.id }))}>{texts.retry}</button>}
         {isOver && <button type="button" onClick={() => onGo({ tab: 'do', of: request.file })}>{texts.back}</button>}
         {said && !(isOver && said === texts.stopping) && <span className="note">{said}</span>}
       </div>

@@ -46,7 +46,7 @@ export default function PlanRoom({ system, view }: RoomProps) {
           )}
         </header>
         {problem && <p className="error" role="alert">{problem}</p>}
-        {place.tab === 'job' ? (job ? <JobPanel key={job.id} texts={texts} job={job} onGo={go} /> : <p className="empty">{system.isKnown ? texts.noJob : texts.loading}</p>)
+        {place.tab === 'job' ? (job ? <JobPanel key={job.id} texts={texts} system={system} job={job} onGo={go} /> : <p className="empty">{system.isKnown ? texts.noJob : texts.loading}</p>)
           : !isThere ? <p className="empty">{known ? texts.noFile(place.of) : texts.loading}</p>
           : place.tab === 'do' ? <DoPanel key={place.of} texts={texts} file={place.of} system={system} onGo={go} />
           : !place.of ? <p className="empty">{texts.liveOnly}</p>

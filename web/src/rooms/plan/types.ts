@@ -1,7 +1,14 @@
+import type { Needed } from '../../model/rights';
+
 /** Records of the room of plans. Field names are those on the wire. */
 
 export const DEEDS = ['apply', 'restore', 'start', 'stop', 'take_down'] as const;
 export type Deed = (typeof DEEDS)[number];
+
+/** What each deed takes: see `model/rights.ts`. */
+export const NEEDED: Readonly<Record<Deed, Needed>> = {
+  apply: 'administrator', restore: 'administrator', start: 'operator', stop: 'operator', take_down: 'administrator',
+};
 
 /** Options without a value that each deed has, as its command has them. */
 export const FLAGS: Readonly<Record<Deed, readonly Flag[]>> = {

@@ -1,5 +1,8 @@
 import { useEffect, useMemo, useState } from 'react';
 
+import { lackingAt, managersAt } from '../../model/rights';
+import type { System } from '../../model/system';
+import { RightsNote } from '../../panels/RightsGate';
 import { Icon } from '../../parts/icons';
 import { sentence } from '../../server/api';
 import { useEditor } from '../../shell/contexts';
@@ -26,18 +29,20 @@ export default function PropertyRoom({ system, view }: RoomProps) {
   const { label: labels, plan } = useTexts();
   const { api, canChange, show, remember, values: { page: id } } = useEditor();
   const [done, setDone] = useState<SetDone | null>(null);
-  const source = useMemo(() => createSource(api, id, system.isReadOnly, (news) => {
-    setDone(news);
-    if (news.undo) remember({ label: labels.set(news.target), actions: news.undo, change: news.change });
-  }), [api, id, system.isReadOnly, remember, labels]);
-  const services = useServices(api, system.structure);
-  const owners = useMemo(() => ownersOf(services, system), [services, system]);
-  const { names, load } = useNames(api);
   const [layout, setLayout] = useState(kept);
-  const [loading, setLoading] = useState('');
   // Whoever comes from the diagram sees what is selected there.
   const of = view.of || (view.selection.find((id) => system.components.has(id) || system.managers.has(id)) ?? '');
   const isOwn = of.startsWith(OWN);
+  const lacking = lackingOf(system, isOwn ? layout.items.map(({ target }) => target) : [of]);
+  const isFixed = system.isReadOnly || lacking !== '';
+  const source = useMemo(() => createSource(api, id, isFixed, (news) => {
+    setDone(news);
+    if (news.undo) remember({ label: labels.set(news.target), actions: news.undo, change: news.change });
+  }), [api, id, isFixed, remember, labels]);
+  const services = useServices(api, system.structure);
+  const owners = useMemo(() => ownersOf(services, system), [services, system]);
+  const { names, load } = useNames(api);
+  const [loading, setLoading] = useState('');
   const stored = isOwn ? of.slice(OWN.length) : '';
   const isUp = canChange || (system.isReadOnly && system.isKnown);
 
@@ -85,6 +90,7 @@ export default function PropertyRoom({ system, view }: RoomProps) {
           </details>
         )}
         {problem && <p className="error" role="alert">{problem}</p>}
+        {lacking && <RightsNote system={system} ids={[lacking]} />}
         {!wanted && !isOwn && <p className="empty">{texts.choose}</p>}
         {wanted && page.gui && <PropertyPanel key={`${of} ${texts.heading}`} gui={page.gui} source={source} values={page.values} isLost={!isUp} />}
         {wanted && !page.gui && !problem && <p className="empty">{texts.asking}</p>}
@@ -99,6 +105,12 @@ export default function PropertyRoom({ system, view }: RoomProps) {
 
 function CopyButton({ text, label }: { text: string; label: string }) {
   return <button type="button" className="quiet" aria-label={label} title={label} onClick={() => void navigator.clipboard.writeText(text)}><Icon name="copy" /></button>;
+}
+
+/** The manager at which properties may not be set; empty if some may be. */
+function lackingOf(system: System, targets: readonly string[]): string {
+  const found = targets.map((target) => lackingAt(system, managersAt(system, target), 'operator')?.id ?? '');
+  return found.includes('') ? '' : (found[0] ?? '');
 }
 
 /** The page that was being put together in this tab. */
