@@ -140,6 +140,8 @@ class ModuleDraft:
         """Return a name like the wanted one that nothing else has."""
         blocked = {*taken, *keyword.kwlist}
         name, number = wanted, 1
+        if keyword.iskeyword(name):
+            name = wanted = f"{wanted}_"
         while name in blocked:
             number += 1
             name = f"{wanted}{number}"

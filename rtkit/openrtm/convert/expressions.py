@@ -26,6 +26,7 @@ _LEVELS = {
     "RTC_DEBUG": "debug", "RTC_TRACE": "debug", "RTC_VERBOSE": "debug", "RTC_PARANOID": "debug",
 }  # fmt: skip
 _PORT_CALLS = {"isNew": "is_new"}
+_SET_ONLY = "a parameter is changed in configuration sets only"
 
 
 class ExpressionWriter:
@@ -115,7 +116,9 @@ class ExpressionWriter:
         elif parameter is not None:
             parent = self._source.parent(node)
             is_first = isinstance(parent, ast.Subscript) and _is_zero(parent.slice)
-            if not is_first:
+            if not isinstance(node.ctx, ast.Load):
+                self._draft.mark(node, _SET_ONLY)
+            elif not is_first:
                 self._source.replace(node, f"[{parameter.value}]")
         elif node.attr in self._plans:
             self._edit_data(node)
@@ -153,7 +156,7 @@ class ExpressionWriter:
             parameter = self._component.parameters.get(node.value.attr)
             if parameter is not None and _is_zero(node.slice):
                 if not isinstance(node.ctx, ast.Load):
-                    self._draft.mark(node, "a parameter is changed in configuration sets only")
+                    self._draft.mark(node, _SET_ONLY)
                     return
                 text = parameter.value
                 is_kept = not parameter.is_list or self._types.borrows(node)

@@ -93,11 +93,15 @@ class ValueTypes:
             return parent.iter is node
         if isinstance(parent, ast.Call):
             return node in parent.args and self._is_borrower(parent)
+        if isinstance(parent, (ast.If, ast.While, ast.IfExp)):
+            return parent.test is node
+        if isinstance(parent, ast.UnaryOp):
+            return isinstance(parent.op, ast.Not)
         if isinstance(parent, ast.Compare):
             return node is not parent.left and isinstance(parent.ops[0], (ast.In, ast.NotIn))
         if isinstance(parent, ast.Attribute):
             return parent.attr in _QUERIES
-        return isinstance(parent, (ast.If, ast.While, ast.Starred, ast.Expr))
+        return isinstance(parent, (ast.Starred, ast.Expr))
 
     def changes_in_place(self, node: ast.expr) -> bool:
         """Return whether a place changes the sequence that it is given."""
@@ -133,8 +137,9 @@ class ValueTypes:
     def _is_borrower(self, call: ast.Call) -> bool:
         name = self._draft.qualified(call.func)
         root = name.partition(".")[0]
-        is_join = isinstance(call.func, ast.Attribute) and call.func.attr == "join"
-        return name in BORROWERS or root in ("np", "numpy", "random", "struct", "math") or is_join
+        if isinstance(call.func, ast.Attribute) and call.func.attr in ("extend", "join"):
+            return True
+        return name in BORROWERS or root in ("np", "numpy", "random", "struct", "math")
 
     def _local(self, node: ast.Name) -> Value | None:
         method = self._draft.source.method(node)

@@ -520,6 +520,14 @@ NEED_A_HAND = {
         ),
         "a parameter is changed in configuration sets only",
     ),
+    "parameter is replaced": (
+        old(
+            "self._p = [['c']]",
+            setup='self._p = [["a"]]',
+            prepare='self.bindParameter("p", self._p, "a,b")',
+        ),
+        "a parameter is changed in configuration sets only",
+    ),
     "rebound": (
         old("self._d_out = RTC.TimedLong(RTC.Time(0, 0), 3)\nself._outOut.write()"),
         "write() sends the value that the port was made with",
