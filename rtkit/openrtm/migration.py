@@ -126,14 +126,13 @@ def migrate(migration: Migration) -> dict[str, str]:
 def _keep(place: str) -> str:
     """Keep a copy of a file that is to be replaced; return where."""
     number = 1
-    while True:
-        original = f"{place}{_KEPT}{number if number > 1 else ''}"
-        try:
-            os.link(place, original)
-        except FileExistsError:
-            number += 1
-        else:
-            return original
+    while os.path.lexists(original := f"{place}{_KEPT}{number if number > 1 else ''}"):
+        number += 1
+    try:
+        os.link(place, original)
+    except OSError:  # not every file system has links
+        write_output(_content(place), original, is_new=True)
+    return original
 
 
 def _content(path: str) -> bytes:

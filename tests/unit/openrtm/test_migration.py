@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -86,6 +87,18 @@ def test_one_that_cannot_be_written_has_the_others_put_back(
     with pytest.raises(NotFound, match=r"nothing was migrated: pkg/inner\.py: .*No space left"):
         migrate(plan_migration(["Main.py"]))
     assert contents(folder) == FILES
+
+
+def test_originals_are_kept_where_there_are_no_hard_links(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "link", refuse)
+    migrate(plan_migration(["comment.py"]))
+    assert (folder / "comment.py.orig").read_text(encoding="utf-8") == FILES["comment.py"]
+    assert (folder / "comment.py").read_text(encoding="utf-8") == "print('nobody imports it')\n"
 
 
 def test_a_link_stays_a_link(folder: Path) -> None:
