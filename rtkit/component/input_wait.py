@@ -2,6 +2,8 @@
 
 A callback that waits for a line cannot be cancelled from outside, so a component that is to be
 deactivated or ended has its wait raise `InputEnded`.
+
+See decision 94.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Standard input of a process that holds components: each component has a terminal of its own.
 
-Nothing is opened before a component reads; see `rtkit.container.terminals`.
+Nothing is opened before a component reads; see `rtkit.container.terminals` and decision 94.
 """
 
 from __future__ import annotations

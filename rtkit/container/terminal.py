@@ -102,9 +102,9 @@ class ComponentTerminal:
         self.show(text.replace("\n", "\r\n").encode("utf-8", "backslashreplace"))
 
     def since(self, begin: int) -> bytes:
-        """Return what was shown since; where `begin` is below 0, the last lines."""
+        """Return what was shown since; for no place of this terminal the last lines."""
         with self._lock:
-            if begin < 0:
+            if not 0 <= begin <= self.end:
                 tail = bytes(self._screen[-_TAIL:])
                 is_whole = len(tail) == len(self._screen)
                 return tail if is_whole else tail[tail.find(b"\n") + 1 :]

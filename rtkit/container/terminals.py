@@ -144,7 +144,7 @@ class Terminals:
     def _is_due(message: Message, terminal: ComponentTerminal) -> bool:
         if message["is_until_read"]:
             return terminal.unread == 0
-        is_new = message["after"] < 0 or terminal.end > message["after"]
+        is_new = terminal.end != message["after"]  # it may be that of an earlier terminal
         return bool(is_new or terminal.wait != message["waits"])
 
     def _state(self, message: Message, terminal: ComponentTerminal) -> dict[str, Any]:

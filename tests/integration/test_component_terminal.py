@@ -69,6 +69,7 @@ def test_what_it_shows_is_known_by_its_place(terminal: ComponentTerminal) -> Non
     assert terminal.since(place) == b"\r\nthree"
     assert terminal.since(terminal.end) == b""
     assert terminal.since(0) == b"one\r\ntwo\r\nthree"
+    assert terminal.since(5000) == terminal.since(-1), "a place of an earlier terminal"
 
 
 def test_much_is_forgotten_and_whoever_attaches_sees_whole_lines(
