@@ -280,6 +280,22 @@ def test_the_end_of_the_component_ends_the_command_with_the_reason(
     assert manager.run(f"rtattach --send 1 {path}").status == 1
 
 
+def test_a_stopped_process_is_told_and_goes_on(manager: Any, tree: Tree) -> None:
+    path = asks(manager)
+    await_question(tree)
+    pid = told_pid(manager, "s")
+    with attached(manager, path) as terminal:
+        os.kill(pid, signal.SIGSTOP)
+        try:
+            until(lambda: facts_of(tree, "Asks0").trouble, "it was never told to be stopped")
+            terminal.until("no answer: .*stopped")
+        finally:
+            os.kill(pid, signal.SIGCONT)
+        terminal.until("it answers again")
+        terminal.type("8\r")
+        terminal.until("got '8'")
+
+
 def test_it_survives_the_end_of_the_manager(shell: Any) -> None:
     shell.ok("rtmgr start")
     path = asks(shell)
@@ -287,9 +303,9 @@ def test_it_survives_the_end_of_the_manager(shell: Any) -> None:
     with attached(shell, path) as terminal:
         terminal.until("number: ")
         os.kill(told_pid(shell), signal.SIGKILL)
-        terminal.until("its manager does not answer")
+        terminal.until("no answer: ")
         shell.ok("rtmgr start")
-        terminal.until("its manager answers again")
+        terminal.until("it answers again")
         assert WAITS in shell.ok("rtls -l /localhost")
         terminal.type("3\r")
         terminal.until("got '3'")

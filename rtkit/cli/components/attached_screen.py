@@ -19,8 +19,8 @@ from rtkit.errors import RtkitError, Unreachable
 
 _LEAVE = b"\x1d"
 """Ctrl-], as in telnet."""
-_LOOK_S = 10.0
-"""How long one look waits for something new [s]."""
+_LOOK_S = 3.0
+"""How long one look waits for something new [s]: who looks counts as attached for 5 s."""
 _AGAIN_S = 0.5
 """How soon a manager that does not answer is asked again [s]."""
 _ENDS = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
@@ -108,9 +108,9 @@ class AttachedScreen:
         while not self._has_left.is_set():
             try:
                 answer = self._client.look(_LOOK_S)
-            except Unreachable:
+            except Unreachable as error:
                 if not is_away and not self._has_left.is_set():
-                    self._note("its manager does not answer; the component waits on")
+                    self._note(f"no answer: {error}")
                 is_away = True
                 self._has_left.wait(_AGAIN_S)
                 continue
@@ -120,7 +120,7 @@ class AttachedScreen:
             if self._has_left.is_set():
                 return
             if is_away:
-                self._note("its manager answers again")
+                self._note("it answers again")
             is_away = False
             self._show(answer.output)
             if answer.ended:
