@@ -97,3 +97,26 @@ def onInitialize(self):
 def test_a_type_that_the_standard_lacks_is_no_attribute(tmp_path: Path) -> None:
     with pytest.raises(Refused, match="AttributeError: module 'RTC' has no attribute 'TimedBool'"):
         made(write_component(tmp_path, "One", "kind = RTC.TimedBool"))
+
+
+def test_an_edit_beside_a_module_is_seen_and_read_again(tmp_path: Path) -> None:
+    (tmp_path / "helper.py").write_text("VALUE = 1\n", encoding="utf-8")
+    file = write_component(tmp_path, "One", "value = helper.VALUE", before="import helper\n")
+    loader = Loader([])
+    first = made(file, loader=loader)
+    assert (first.servant.value, loader.changed(first.type)) == (1, "")
+    (tmp_path / "helper.py").write_text("VALUE = 22\n", encoding="utf-8")
+    loader._look_at_s.clear()  # it looks once for all components of a batch
+    assert loader.changed(first.type) == str(file)
+    loader.unload(str(file))
+    assert made(file, loader=loader).servant.value == 22
+
+
+def test_a_module_that_failed_is_imported_again_once_it_is_mended(tmp_path: Path) -> None:
+    (tmp_path / "helper.py").write_text("VALUE = missing\n", encoding="utf-8")
+    file = write_component(tmp_path, "One", "value = helper.VALUE", before="import helper\n")
+    loader = Loader([])
+    with pytest.raises(Refused, match=r"NameError: name 'missing' is not defined \(.*One.py:1\)"):
+        loader.load(str(file))
+    (tmp_path / "helper.py").write_text("VALUE = 3\n", encoding="utf-8")
+    assert made(file, loader=loader).servant.value == 3
