@@ -43,8 +43,8 @@ class DedicatedWorker:
 
     Args:
         end: Its socket, at which nobody else waits.
-        answer: Returns what is to be sent for what came, None to leave the client; it is called
-            with the lock.
+        answer: Returns what is to be sent for what came, None to leave the client, and always once
+            it is dismissed; it is called with the lock.
         back: Takes the client back; with the lock.
     """
 
@@ -57,50 +57,42 @@ class DedicatedWorker:
         self._end = end
         self._answer = answer
         self._back = back
-        self._is_answering = self._has_left = False
+        self._is_dismissed = False
 
     def attend(self, lock: threading.Lock, data: bytes) -> None:
         """Answer what came, and what comes next, until the client is to be left."""
-        answer = self._answer
+        receive, send, answer = self._end.recv, self._end.send, self._answer
+        at_once = socket.MSG_DONTWAIT
         while True:
             with lock:
-                self._is_answering = True
                 reply = answer(data)
-                self._is_answering = False
-                if reply is None:
-                    self._leave(WorkerExit())
-                    return
-            received = self._exchange(reply)
-            if isinstance(received, WorkerExit):
-                with lock:
-                    self._leave(received)
-                return
-            data = received
-
-    def _exchange(self, reply: bytes) -> bytes | WorkerExit:
-        """Send a reply, and return the next request; or why there is none."""
-        try:
-            sent = self._end.send(reply, socket.MSG_DONTWAIT)
-        except OSError:  # it has gone, which the loop will notice, or it does not read
-            sent = 0
-        if sent < len(reply):
-            return WorkerExit(unsent=reply[sent:])
-        try:
-            return self._end.recv(_FEW) or WorkerExit(has_gone=True)
-        except BlockingIOError:
-            return WorkerExit()
-        except OSError:
-            return WorkerExit(has_gone=True)
+            if reply is None:
+                left = WorkerExit()
+                break
+            try:
+                sent = send(reply, at_once)
+            except OSError:  # it has gone, which the loop will notice, or it does not read
+                sent = 0
+            if sent < len(reply):
+                left = WorkerExit(unsent=reply[sent:])
+                break
+            try:
+                data = receive(_FEW)
+            except BlockingIOError:
+                left = WorkerExit()
+                break
+            except OSError:
+                data = b""
+            if not data:
+                left = WorkerExit(has_gone=True)
+                break
+        with lock:
+            if not self._is_dismissed:
+                self._back(left)
 
     def dismiss(self) -> None:
-        """Leave the client at once, if code of a user has not come back yet; with the lock."""
-        if self._is_answering:
-            self._leave(WorkerExit())
-
-    def _leave(self, left: WorkerExit) -> None:
-        if not self._has_left:
-            self._has_left = True
-            self._back(left)
+        """Note, with the lock, that the loop has the client back, whose request is answered."""
+        self._is_dismissed = True
 
     def hang_up(self) -> None:
         """Hang up on the client."""

@@ -204,8 +204,12 @@ class PropertyEventLoop:
 
         worker = DedicatedWorker(end, answer, lambda left: self.post(lambda: take_back(left)))
 
+        def take_from_it() -> None:
+            worker.dismiss()
+            take_back(WorkerExit())
+
         def run() -> None:
-            with self.user_code.called_here(worker.dismiss):
+            with self.user_code.called_here(take_from_it):
                 worker.attend(self.lock, data)
 
         self._epoll.unregister(end.fileno())

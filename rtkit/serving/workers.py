@@ -129,7 +129,7 @@ class Workers(UserCode):
         So nothing is handed over. It is the one worker meanwhile.
 
         Args:
-            when_slow: Called with the lock when it holds up others.
+            when_slow: Called on the loop when it holds up others, before it has come back.
         """
         ident = threading.get_ident()
         self._here[ident] = when_slow

@@ -123,16 +123,18 @@ class Connection(SocketClient):
         return True
 
     def _reply_at_once(self, data: bytes) -> bytes | None:
-        """Return the reply to a request that takes only a look; None if this is another."""
+        """Return the reply to one line that takes only a look; None if this is another request."""
+        if data.find(b"\n") != len(data) - 1 or len(data) > self._longest:
+            return None
         service = self._host.services.get(self._service)
         return None if service is None else service.quick(data, self)
 
     def _attended(self, data: bytes) -> bytes | None:
         """Return what is to be sent for what came to the worker of this client; None to end it."""
-        is_one = self._is_one(data)
-        reply = self._reply_at_once(data) if is_one else None
+        reply = self._reply_at_once(data)
         if reply is not None:
             return reply
+        is_one = self._is_one(data)
         self._requests.feed(data)
         asked = self._requests.next() if is_one else None
         if asked is None:
