@@ -28,7 +28,7 @@ class CorbaConsumer:
         self._object: Any = None
         self._proxy: Any = None
 
-    def bind(self, port: ServicePort) -> None:
+    def call_by(self, port: ServicePort) -> None:
         """Call by a port from now on."""
         self._port = port
         self._proxy = proxy_class(self.interface)(port, interface_of(self.interface).cls)
@@ -89,7 +89,7 @@ class CorbaPort(PortBase):
         def require() -> None:
             interface = interface_of(consumer.interface).cls
             self.port.require(interface, instance_name, type_name=type_name)
-            consumer.bind(self.port)
+            consumer.call_by(self.port)
 
         return self._registered(instance_name, require)
 
