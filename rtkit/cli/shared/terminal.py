@@ -38,6 +38,14 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() or _is_blank(c) else _escaped(c) for c in text)
 
 
+def of_file(line: str) -> str:
+    """Return a line of a file: as it is, but printable with its tabs where a terminal shows it.
+
+    What a pipe takes may be written to a file again, and is to be the same there.
+    """
+    return "\t".join(map(printable, line.split("\t"))) if is_terminal() else line
+
+
 def _is_blank(c: str) -> bool:
     return c.isspace() and ord(c) > 0x9F and c not in "\u2028\u2029"
 

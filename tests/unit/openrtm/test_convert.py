@@ -10,6 +10,7 @@ from typing import Any
 import jsonrecords
 import pytest
 
+from rtkit.cli.shared import terminal
 from rtkit.cli.shared.commands import load
 from rtkit.component import Component, InPort, OutPort, TimedLong
 from rtkit.errors import Refused
@@ -608,6 +609,21 @@ def test_the_command_writes_to_stdout_or_to_a_file(
     assert (folder / "New.py").read_text(encoding="utf-8") == text
     assert run(["convert", "--diff", "Old.py"]) == 0
     assert "-class Old(OpenRTM_aist.DataFlowComponentBase):\n" in capsys.readouterr().out
+
+
+def test_what_is_piped_is_the_file_with_its_tabs(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = load("rtopenrtm")
+    source = (folder / "Old.py").read_text(encoding="utf-8")
+    remarked = source.replace("import sys", "import sys\n\nN = 1\t# of \x1b[2Jtabs\f", 1)
+    (folder / "Old.py").write_text(remarked, encoding="utf-8")
+    assert run(["convert", "Old.py"]) == 0
+    assert capsys.readouterr().out == converted(remarked).text
+    assert "N = 1\t# of \x1b[2Jtabs" in converted(remarked).text
+    monkeypatch.setattr(terminal, "is_terminal", lambda: True)
+    assert run(["convert", "Old.py"]) == 0
+    assert "N = 1\t# of \\x1b[2Jtabs" in capsys.readouterr().out
 
 
 def test_the_command_takes_no_place_unasked(

@@ -59,9 +59,9 @@ def main(
     if is_json:
         terminal.write([json_records.line("converted-component", _record(path, output, made))])
     elif shows_diff:
-        terminal.write(map(terminal.printable, _difference(path, output, source, made)))
+        terminal.write(map(terminal.of_file, _difference(path, output, source, made)))
     elif not output:
-        terminal.write(map(terminal.printable, made.text.splitlines()))
+        terminal.write(map(terminal.of_file, made.text.removesuffix("\n").split("\n")))
     for line, reason in [*made.marks, *made.remarks]:
         app.fail(f"{path}:{line}: {reason}")
     return app.status(Refused()) if made.marks else 0

@@ -53,7 +53,7 @@ def main(
         if is_json:
             terminal.write([json_records.line("migrated-file", _record(each, original))])
         else:
-            terminal.write(map(terminal.printable, _changes(each)))
+            terminal.write(map(terminal.of_file, _changes(each)))
         _report(app, each, original)
     if not plan.files:
         count = len(plan.looked_at)
