@@ -321,6 +321,11 @@ def import_source(source: ModuleSource) -> ModuleType:
 def _import_failure(error: BaseException, file: str) -> str:
     if isinstance(error, Refused) and re.match(r".*\.py:\d+\b", str(error)):
         return f"module does not import: {error}"
+    return f"module does not import: {failure_in(file, error)}"
+
+
+def failure_in(file: str, error: BaseException) -> str:
+    """Return what was raised by a file of an author, with its line, and what would help."""
     line = getattr(error, "lineno", None) if isinstance(error, SyntaxError) else None
     trace = error.__traceback__
     while trace is not None:
@@ -331,7 +336,7 @@ def _import_failure(error: BaseException, file: str) -> str:
     from rtkit.openrtm.python2 import python2_hint
 
     reason = f": {error}{hint(error) or python2_hint(error, file)}" if str(error) else ""
-    return f"module does not import: {type(error).__name__}{reason} ({file}:{line or 1})"
+    return f"{type(error).__name__}{reason} ({file}:{line or 1})"
 
 
 def registered_by(

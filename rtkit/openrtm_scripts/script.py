@@ -19,7 +19,7 @@ from typing import Any
 
 from rtkit.by_hand import RunningComponent, begin, wait_for
 from rtkit.container.process_settings import layered
-from rtkit.errors import NotFound
+from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.link import places
 from rtkit.logs.late import late
 from rtkit.manager import launch
@@ -191,7 +191,8 @@ def run_script(file: str, arguments: Sequence[str]) -> None:
     """Run a file as Python runs a script, with the names of OpenRTM.
 
     Raises:
-        BaseException: Whatever it raises.
+        OSError: It cannot be read.
+        Refused: It raises an error; says which, and where.
     """
     sys.argv = [file, *arguments]
     sys.path.insert(0, os.path.dirname(os.path.abspath(file)))
@@ -200,7 +201,15 @@ def run_script(file: str, arguments: Sequence[str]) -> None:
     main.__file__ = file
     sys.modules["__main__"] = main
     folder = folder_of(file, _compiled)
-    folder.run(main, folder.read(file))
+    source = folder.read(file)
+    try:
+        folder.run(main, source)
+    except RtkitError:
+        raise
+    except Exception as error:
+        from rtkit.modules.loader import failure_in  # most scripts end well
+
+        raise Refused(f"the script failed: {failure_in(file, error)}") from error
 
 
 def take_over(name: str) -> None:

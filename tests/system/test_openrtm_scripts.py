@@ -153,3 +153,24 @@ def test_nothing_of_it_is_there_for_others(shell: Any, module: Path) -> None:
     told = shell.run(f"rtmgr -l {other}:OtherInit /localhost/manager.mgr")
     assert told.status == 1
     assert "No module named 'OpenRTM_aist_no'" in told.err
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("import no_such_module", "ModuleNotFoundError: No module named 'no_such_module'"),
+        ("1 / 0", "ZeroDivisionError: division by zero"),
+        ("open('no-such-file')", "FileNotFoundError: [Errno 2] No such file or directory"),
+        ("def f(:", "SyntaxError: "),
+    ],
+)
+def test_what_a_script_raises_is_told_as_its_own_with_the_line(
+    shell: Any, tmp_path: Path, text: str, told: str
+) -> None:
+    file = tmp_path / "Wrong.py"
+    file.write_text(f"import OpenRTM_aist\n{text}\n")
+    outcome = shell.run(f"rtkit openrtm run {file}")
+    assert outcome.status == 1
+    assert f"the script failed: {told}" in outcome.err
+    assert f"{file}:2" in outcome.err
+    assert "bug in rtkit" not in outcome.err
