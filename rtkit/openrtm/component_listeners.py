@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any
 
@@ -118,7 +119,7 @@ _OF_SETS = ("set_updated", "set_added")
 _OF_SET_NAMES = ("set_taken_over", "set_removed", "set_activated")
 
 
-class ListenedConfiguration:
+class ListenedConfiguration(ABC):
     """Base of configurations that can be listened to.
 
     A listener runs on the thread that causes the change: a set that becomes the active one, and
@@ -151,9 +152,9 @@ class ListenedConfiguration:
         """Call a listener no more."""
         _remove(self._changes_of(_OF_SET_NAMES[type]), listener)
 
+    @abstractmethod
     def getConfigurationSet(self, config_id: str) -> Any:
         """Return the texts of a set."""
-        raise NotImplementedError
 
     def _changes_of(self, kind: str) -> list[Listener]:
         if "_listeners" not in vars(self):

@@ -60,7 +60,7 @@ def plan_migration(paths: Iterable[str]) -> Migration:
     while waiting:
         path = waiting.pop(0)
         if path not in looked_at:
-            looked_at[path] = _content(path)
+            looked_at[path] = content_of(path)
             waiting += imported_files(looked_at[path], path)
     files = []
     for path, content in looked_at.items():
@@ -131,11 +131,16 @@ def _keep(place: str) -> str:
     try:
         os.link(place, original)
     except OSError:  # not every file system has links
-        write_output(_content(place), original, is_new=True)
+        write_output(content_of(place), original, is_new=True)
     return original
 
 
-def _content(path: str) -> bytes:
+def content_of(path: str) -> bytes:
+    """Return what is in a file.
+
+    Raises:
+        NotFound: It cannot be read.
+    """
     try:
         with open(path, "rb") as stream:
             return stream.read()

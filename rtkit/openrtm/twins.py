@@ -6,6 +6,7 @@ at each write, and hands out a fresh object at each read. Fields may hold anythi
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from enum import Enum
 from functools import cache
@@ -160,7 +161,7 @@ def _compiled(writer: _Converter, layout: Layout) -> Convert:
     return convert
 
 
-class _Converter(Source):
+class _Converter(Source, ABC):
     """Writes the conversion of a value as an expression, with a line for each structure."""
 
     def of(self, layout: Layout, source: str) -> str:
@@ -182,14 +183,17 @@ class _Converter(Source):
         fields = ", ".join(self.of(item, f"{held}.{name}") for name, item in layout.fields)
         return f"{self.maker(layout)}({fields})"
 
+    @abstractmethod
     def maker(self, layout: StructLayout) -> str:
-        raise NotImplementedError
+        """Return what makes the value of a structure."""
 
+    @abstractmethod
     def items(self, item: Layout, source: str) -> str:
-        raise NotImplementedError
+        """Return the expression of the items of a sequence, or an array."""
 
+    @abstractmethod
     def scalar(self, layout: BasicLayout | EnumLayout, source: str) -> str:
-        raise NotImplementedError
+        """Return the expression of a number, a text, octets, or an item of an enumeration."""
 
 
 class _Freezer(_Converter):

@@ -11,7 +11,7 @@ from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
 from rtkit.cli.shared.options import arguments, flag, json_flag, option
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import Refused
 
 if TYPE_CHECKING:
     from rtkit.openrtm.convert.conversion import Conversion
@@ -47,11 +47,12 @@ def main(
     told on stderr with its line in FILE. Exit status 0: nothing needs a hand, 1: something does.
     """
     from rtkit.openrtm.convert.conversion import convert
+    from rtkit.openrtm.migration import content_of
 
     if len(paths) != 1:
         raise WrongArguments("takes one file")
     path = paths[0]
-    source = _content(path)
+    source = content_of(path)
     _check_output(output, path, is_forced=is_forced)
     made = convert(source, path)
     if output:
@@ -65,14 +66,6 @@ def main(
     for line, reason in [*made.marks, *made.remarks]:
         app.fail(f"{path}:{line}: {reason}")
     return app.status(Refused()) if made.marks else 0
-
-
-def _content(path: str) -> bytes:
-    try:
-        with open(path, "rb") as file:
-            return file.read()
-    except OSError as error:
-        raise NotFound(f"{path}: {error.strerror}") from error
 
 
 def _check_output(output: str, path: str, *, is_forced: bool) -> None:
