@@ -1,6 +1,7 @@
 """Events of the connectors of a data port, for whoever listens to them.
 
-A port without listeners has no part in this: its ways from and into buffers are the bare ones.
+A port without listeners has no part in this: its ways from and into buffers are the bare ones. See
+decision 97.
 """
 
 from __future__ import annotations

@@ -1,1 +1,4 @@
-"""Writes components of OpenRTM-aist-Python as native ones, idiom by idiom."""
+"""Writes components of OpenRTM-aist-Python as native ones, idiom by idiom.
+
+See decision 96.
+"""
