@@ -29,6 +29,7 @@ GROUPS = (
     "links",
     "spread",
     "ports",
+    "openrtm",
     "streams",
     "rates",
     "data",

@@ -23,6 +23,7 @@ KINDS = {
     "loop": r"the same components made by a plain loop|a method that calls",
     "manager": r".*the two zenoh sessions of a manager",
     "itself": r"rtls$|the same (command|for|in|of|over|at|to|pairs|page)|ten managers|start of"
+    r"|native (components|ports)|a native component"
     r"|creation of the same|one processor|a page without|Starlette|the time that the search",
     "socket": r"a bare SOCK_SEQPACKET|a bare socket|a loop that sends|a client that writes",
     "memory": r"iceoryx2",

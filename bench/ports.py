@@ -100,12 +100,24 @@ def by_placement(what: str, trip: Trip, floor: Floor, floor_is: str, target: flo
     Where the scheduler puts them decides the figure more than all else, and it puts each pair
     where it likes.
     """
+    yield from on_each_placement(
+        what, lambda processors: round_trip(trip, floor, processors), floor_is, target
+    )
+
+
+def on_each_placement(
+    what: str,
+    measure: Callable[[Sequence[int]], Measured],
+    floor_is: str,
+    target: float | None,
+) -> Lines:
+    """Measure with the ends of both on one processor, then on two."""
     allowed = sorted(os.sched_getaffinity(0))
     for name, processors in (("one processor", allowed[:1] * 2), ("two processors", allowed[:2])):
         if len(processors) < 2:
             yield Missing(f"{what}, on {name}", "only one processor may be used")
             continue
-        measured = round_trip(trip, floor, processors)
+        measured = measure(processors)
         placement = f"ends of both on processors {processors[0]} and {processors[1]}"
         yield Row(f"{what}, on {name}", "us", measured, target, True, floor_is, placement)
 
@@ -165,23 +177,28 @@ def _each_us(check: Callable[[], object], names: dict[str, object], call: str) -
     return timeit.timeit(call, globals=names, number=_CALLS) / _CALLS * 1e6
 
 
-def ping(tree: Tree, trip: Trip, result: str) -> Callable[[], float]:
-    there = PortRef("P", "out"), PortRef("E", "into")
-    back = PortRef("E", "out"), PortRef("P", "back")
+def ping(tree: Tree, trip: Trip, result: str, mark: str = "") -> Callable[[], float]:
+    """Make both ends, in slaves ``p`` and ``e``; return what measures a round trip.
+
+    With a mark, which their names end with, there may be several pairs in one manager.
+    """
+    one, other = f"P{mark}", f"E{mark}"
+    there = PortRef(one, "out"), PortRef(other, "into")
+    back = PortRef(other, "out"), PortRef(one, "back")
     _do(
         tree,
         Load(f"{trip.module}.py", f"{trip.module}Init"),
-        Create(f"{trip.ping}?instance_name=P&manager_name=p"),
-        Create(f"{trip.echo}?instance_name=E&manager_name=e"),
-        Connect(ConnectorProfile("there", "there", there, _WAITING)),
-        Connect(ConnectorProfile("back", "back", back, _WAITING)),
-        SetParameters("P", "default", {"result": result, "count": str(trip.trips)}),
-        ChangeState("E", "0", Transition.ACTIVATE),
+        Create(f"{trip.ping}?instance_name={one}&manager_name={one.lower()}"),
+        Create(f"{trip.echo}?instance_name={other}&manager_name={other.lower()}"),
+        Connect(ConnectorProfile(f"there{mark}", "there", there, _WAITING)),
+        Connect(ConnectorProfile(f"back{mark}", "back", back, _WAITING)),
+        SetParameters(one, "default", {"result": result, "count": str(trip.trips)}),
+        ChangeState(other, "0", Transition.ACTIVATE),
     )
 
     def measure() -> float:
-        _do(tree, ChangeState("P", "0", Transition.ACTIVATE))
-        _do(tree, ChangeState("P", "0", Transition.DEACTIVATE))
+        _do(tree, ChangeState(one, "0", Transition.ACTIVATE))
+        _do(tree, ChangeState(one, "0", Transition.DEACTIVATE))
         with open(result, encoding="utf-8") as file:
             return float(file.read())
 
