@@ -179,7 +179,15 @@ class ComponentFolder:
                 return self._load(full, inner, [path])
             if os.path.isfile(f"{path}.py"):
                 return self._load(full, f"{path}.py", None)
+            if parent is not None and os.path.isdir(path):  # a folder in a package is part of it
+                return self._portion(full, path)
         return None
+
+    def _portion(self, full: str, path: str) -> ModuleType:
+        module = ModuleType(full)
+        module.__path__ = [path]
+        self._modules[full] = module
+        return module
 
     def _load(self, full: str, file: str, path: list[str] | None) -> ModuleType:
         name = _PREFIX + "".join(c if c.isalnum() else "_" for c in file)

@@ -98,10 +98,65 @@ class Hand(Component):
         return 0.1
 
 
+class Asking(Component):
+    """Asks a user for numbers."""
+
+    vendor, category, version, rate = "me", "example", "1.0", 50.0
+
+    def on_execute(self, context):
+        input("a number: ")
+
+
 def RobotInit(manager):
-    for each in (Robot, Sensor, Control, Hand):
+    for each in (Robot, Sensor, Control, Hand, Asking):
         manager.register_factory(each)
 '''
+OLD = """
+import sys
+import OpenRTM_aist
+import RTC
+
+consolein_spec = ["implementation_id", "ConsoleIn", "type_name", "ConsoleIn",
+                  "description", "Writes numbers", "version", "1.0", "vendor", "me",
+                  "category", "example", "language", "Python", ""]
+
+
+class ConsoleIn(OpenRTM_aist.DataFlowComponentBase):
+    def __init__(self, manager):
+        OpenRTM_aist.DataFlowComponentBase.__init__(self, manager)
+        self._d_out = RTC.TimedLong(RTC.Time(0, 0), 0)
+        self._outOut = OpenRTM_aist.OutPort("out", self._d_out)
+
+    def onInitialize(self):
+        self.addOutPort("out", self._outOut)
+        return RTC.RTC_OK
+
+    def onExecute(self, ec_id):
+        self._d_out.data = 1
+        self._outOut.write()
+        return RTC.RTC_OK
+
+
+def ConsoleInInit(manager):
+    profile = OpenRTM_aist.Properties(defaults_str=consolein_spec)
+    manager.registerFactory(profile, ConsoleIn, OpenRTM_aist.Delete)
+
+
+def MyModuleInit(manager):
+    ConsoleInInit(manager)
+    manager.createComponent("ConsoleIn")
+
+
+def main():
+    mgr = OpenRTM_aist.Manager.init(sys.argv)
+    mgr.setModuleInitProc(MyModuleInit)
+    mgr.activateManager()
+    mgr.runManager()
+
+
+if __name__ == "__main__":
+    main()
+"""
 SERVED = """
 class Robot:
     def __init__(self):
@@ -127,6 +182,7 @@ MADE = (
     "ConsoleIn?instance_name=B0",
     "ConsoleIn?instance_name=Arm0&manager_name=arm",
     "Hand?instance_name=Hand0",
+    "Asking?instance_name=ConsoleIn0&manager_name=asking",
     "Microwave?instance_name=Microwave0",
     "Motor?instance_name=Motor0",
     "Sensor?instance_name=Old0&naming.formats=old.host_cxt/%n.rtc",
@@ -151,6 +207,7 @@ WIRE = "rtcon -i range Sensor0.rtc:range Control0.rtc:range"
 SAVED = ("rtdis Sensor0.rtc", WIRE, "rtcryo -n Robot -o robot.xml")
 RECORDED = ("rm run.mcap", "rtact -e all Robot0.rtc", "rtlog -f run.mcap -i -e 2 Robot0.rtc:pose")
 BEFORE: dict[str, tuple[str, ...]] = {
+    "rtattach --send 5 /localhost/ConsoleIn0.rtc": ("rtact ConsoleIn0.rtc",),
     "rtlog --export csv -f run.mcap": RECORDED,
     "rtcheck robot.xml": (*SAVED, "rtstart robot.xml"),
     "rtcheck -s inactive --json robot.xml": ("rtstop robot.xml",),
@@ -225,6 +282,8 @@ ENDLESS = {
     "rtbug run --all --out runs",  # over a minute
     "rtdev robot.xml",
     "rtdev -s inactive robot.xml",
+    "rtopenrtm run ConsoleIn.py",
+    "rtopenrtm run ConsoleIn.py -f rtc.conf",
     "rtlisten robot.speed",
     "rtlisten /localhost/Robot0.rtc.ports.pose.count",
     "rtlisten --mode diff robot",
@@ -363,9 +422,12 @@ def prepare(shell: Any) -> dict[str, str]:
     for name in ("robot.py", "arm.py"):
         (folder / name).write_text(SERVED)
     (folder / "image.jpg").write_text("...")
+    (folder / "answers.txt").write_text("6\n7\n")
+    (folder / "ConsoleIn.py").write_text(OLD)
+    (folder / "rtc.conf").write_text("exec_cxt.periodic.rate: 50\n")
     (folder / "robot.conf").write_text("logger.log_level: DEBUG\n")
     (folder / "points.jsonl").write_text('{"data": {"x": 1, "y": 2}}\n')
-    for name in ("idl", "profiles", "robots", "systems"):
+    for name in ("idl", "native", "profiles", "robots", "systems"):
         (folder / name).mkdir()
     for name in ("profiles", "systems"):
         shutil.copy(ROOT / "profiles" / "Motor.xml", folder / name / "Motor.xml")

@@ -120,3 +120,12 @@ def test_a_module_that_failed_is_imported_again_once_it_is_mended(tmp_path: Path
         loader.load(str(file))
     (tmp_path / "helper.py").write_text("VALUE = 3\n", encoding="utf-8")
     assert made(file, loader=loader).servant.value == 3
+
+
+def test_a_folder_in_a_package_beside_a_module_is_part_of_it(tmp_path: Path) -> None:
+    inner = tmp_path / "tools" / "inner"
+    inner.mkdir(parents=True)
+    (tmp_path / "tools" / "__init__.py").write_text("", encoding="utf-8")
+    (inner / "part.py").write_text("NUMBER = 7\n", encoding="utf-8")
+    file = write_component(tmp_path, "One", "pass", before="from tools.inner.part import NUMBER\n")
+    assert made(file).type.type_name == "One"
