@@ -29,7 +29,7 @@ from rtkit.rtc.profiles import DEFINITION, PortProfile, TypeProfile
 from rtkit.testing.realm import own_manager
 
 _BOUND_S = 10.0
-_ASKS_S = 4.0
+_ASKS_S = 7.0
 """How long a component may take to be Active before it is looked at what it waits for [s]."""
 _EVENT = re.compile(r"say fsm_event_name=NAME \(events: (\w+)")
 _SLOW = ContextPattern(rate=50.0)
