@@ -8,12 +8,17 @@ a callback that returns RTC_ERROR, an operation that raises NO_IMPLEMENT.
 from __future__ import annotations
 
 import re
+import threading
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
+from waiting import until
+
 from rtkit.api.attaching import TerminalClient
+from rtkit.api.connect import connect
 from rtkit.api.system_profiles import SystemProfile
 from rtkit.api.tree import Tree
 from rtkit.component.standin import TRANSMIT
@@ -28,9 +33,7 @@ from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import DEFINITION, PortProfile, TypeProfile
 from rtkit.testing.realm import own_manager
 
-_BOUND_S = 10.0
-_ASKS_S = 7.0
-"""How long a component may take to be Active before it is looked at what it waits for [s]."""
+_BOUND_S = 20.0
 _EVENT = re.compile(r"say fsm_event_name=NAME \(events: (\w+)")
 _SLOW = ContextPattern(rate=50.0)
 _OF_DATA = ("dataport.data_type", DEFINITION)
@@ -151,16 +154,35 @@ class _Subject:
             self._tree.connect(*ends, fsm_event_name=event[1])
 
     def _activate(self) -> None:
-        before_s, self._tree.timeout_s = self._tree.timeout_s, _ASKS_S
+        before_s, self._tree.timeout_s = self._tree.timeout_s, _BOUND_S
         try:
-            self._tree.activate(self._path)
+            with self._answering():
+                self._tree.activate(self._path)
         except RtkitError as error:
-            if "is waiting for input" in str(error):
-                TerminalClient(self._tree, self._facts.instance).send([b"1\n"], _BOUND_S)
-            elif "returned RTC_ERROR" not in str(error):
+            if "returned RTC_ERROR" not in str(error):
                 raise
         finally:
             self._tree.timeout_s = before_s
+
+    @contextmanager
+    def _answering(self) -> Iterator[None]:
+        """Answer what it asks its user meanwhile."""
+        is_over = threading.Event()
+
+        def answer() -> None:
+            with connect() as tree:
+                terminal = TerminalClient(tree, self._facts.instance)
+                while not is_over.wait(0.2):
+                    if terminal.look().waits:
+                        terminal.send([b"1\n"], _BOUND_S)
+
+        user = threading.Thread(target=answer)
+        user.start()
+        try:
+            yield
+        finally:
+            is_over.set()
+            user.join()
 
     def _configure(self, name: str) -> None:
         values = self._facts.sets[name]
@@ -194,6 +216,8 @@ class _Subject:
                 raise
 
     def _stay(self) -> None:
+        # One whose callback took its time was told to be stuck, and is not when it has returned.
+        until(lambda: "stuck in" not in self._tree.component(self._path).trouble, "it is back")
         facts = self._tree.component(self._path)
         _claim(not facts.zombie, f"its process has ended: {facts.zombie}")
         _claim(not facts.trouble, facts.trouble)
