@@ -152,8 +152,8 @@ class SystemOwner:
         Raises:
             _RecordChanged: It is another one by now.
         """
-        self._check(owned)
-        owning.write(self._manager, made)
+        if not owning.exchange(self._manager, owned, made):
+            raise _RecordChanged
         return made
 
     def _check(self, owned: OwnedSystem) -> None:
@@ -184,7 +184,7 @@ class SystemOwner:
         owned = owning.read(self._manager, system)
         if owned is not None and owned.why != why:
             _log.error("%s: %s", owned.system, why)
-            owning.write(self._manager, replace(owned, why=why))
+            owning.exchange(self._manager, owned, replace(owned, why=why))
 
     def _asked(
         self, owned: OwnedSystem, due: Mapping[str, Sequence[str]]

@@ -367,6 +367,15 @@ def write(manager: str, owned: OwnedSystem) -> None:
     owned_files.write(owned_files.path_of(manager, owned.system), encode_text(owned))
 
 
+def exchange(manager: str, known: OwnedSystem, made: OwnedSystem) -> bool:
+    """Keep another record of a system if it is still the known one; return whether it was."""
+    from rtkit.link import owned_files
+    from rtkit.rtc.serde import encode_text
+
+    path = owned_files.path_of(manager, known.system)
+    return owned_files.exchange(path, lambda text: _decoded(text) == known, encode_text(made))
+
+
 def homes(session: Session, goal: DeploymentGoal) -> dict[str, str]:
     """Return the managers of the components of a goal, as plans call them."""
     first = session.tree.manager

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 
 from rtkit.link import places
 
@@ -39,16 +41,41 @@ def read(path: str) -> str:
 
 def write(path: str, text: str) -> None:
     """Write such a file in one step."""
-    from rtkit.link.atomic import write_output
+    with _held():
+        _write(path, text)
 
-    places.make_private(folder())
-    write_output(text.encode(), path, mode=0o600)
+
+def exchange(path: str, is_known: Callable[[str], bool], text: str) -> bool:
+    """Write such a file if its text is still the known one; return whether it was."""
+    with _held():
+        if not is_known(read(path)):
+            return False
+        _write(path, text)
+    return True
 
 
 def remove(path: str) -> bool:
     """Remove such a file; return whether it was there."""
     try:
-        os.unlink(path)
+        with _held():
+            os.unlink(path)
     except FileNotFoundError:
         return False
     return True
+
+
+def _write(path: str, text: str) -> None:
+    from rtkit.link.atomic import write_output
+
+    write_output(text.encode(), path, mode=0o600)
+
+
+@contextmanager
+def _held() -> Iterator[None]:
+    """Keep others, who write or remove such files as well, off the folder."""
+    descriptor = os.open(places.make_private(folder()), os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)

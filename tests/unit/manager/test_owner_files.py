@@ -53,3 +53,14 @@ def test_files_of_a_manager_that_was_stopped_for_good_go(shell, begun):
     assert begun == []
     assert owned_files.of_manager("manager") == []
     assert len(owned_files.of_manager("m2")) == 1
+
+
+def test_a_file_is_exchanged_only_while_it_is_the_one_that_was_read(begun):
+    path = owned_files.path_of("manager", "S")
+    owned_files.write(path, "old")
+    assert owned_files.exchange(path, lambda text: text == "old", "new")
+    assert not owned_files.exchange(path, lambda text: text == "old", "newer")
+    assert owned_files.read(path) == "new"
+    owned_files.remove(path)
+    assert not owned_files.exchange(path, lambda text: text == "new", "newer")
+    assert owned_files.read(path) == ""
