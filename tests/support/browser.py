@@ -73,6 +73,12 @@ class Browser:
         """Open a page."""
         self._do("Page.navigate", url=url)
 
+    def reload(self) -> None:
+        """Load the page anew, and wait until it is there: the old one answers until then."""
+        self._do("Page.reload")
+        while (message := self._next()).get("method") != "Page.loadEventFired":
+            self._answer(message)
+
     def wait_for(self, condition: str) -> None:
         """Wait until an expression of the page is true: what fields hold, no observer is told."""
         self._do(

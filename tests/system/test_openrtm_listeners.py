@@ -52,9 +52,9 @@ def test_a_component_hears_of_values_from_another_process(manager: Any) -> None:
     manager.ok("rtact /localhost/Display0.rtc")
     manager.ok("rtinject -c 21 /localhost/Display0.rtc:in")
     heard = [line.split()[-1] for line in lines(manager, "Display0", "Listener", 5)]
-    assert heard == [
-        "ON_CONNECT", "ON_RECEIVED", "ON_BUFFER_WRITE", "ON_BUFFER_READ", "ON_DISCONNECT",
-    ]  # fmt: skip
+    assert heard[:3] == ["ON_CONNECT", "ON_RECEIVED", "ON_BUFFER_WRITE"]
+    # It reads once a period, before or after who has sent is gone.
+    assert sorted(heard[3:]) == ["ON_BUFFER_READ", "ON_DISCONNECT"]
     assert [line.split()[-1] for line in lines(manager, "Display0", "Data", 3)] == ["21"] * 3
 
 

@@ -307,7 +307,8 @@ def tried(page: browser.Browser, manager: Shell) -> None:
 
 def after_a_reload(page: browser.Browser) -> None:
     """The draft outlives a reload of the page."""
-    page.evaluate("location.hash = '#view=builder'; location.reload()")
+    page.evaluate("location.hash = '#view=builder'")
+    page.reload()
     page.wait_for(shows(".code", "factor = rt.Parameter"))
     page.press("RTC.xml")
     page.wait_for(shows(".source textarea", "factor"))
