@@ -32,6 +32,7 @@ from rtkit.profile_tools.new_component import ComponentHeading, new_component
 from rtkit.web.audit.audit_log import Author
 from rtkit.web.builder.component_form import ERROR, WARNING, FieldFinding, Form, form_of, read_form
 from rtkit.web.builder.form_checks import check_form
+from rtkit.web.fields import object_in, text_in
 from rtkit.web.folders import granted, granted_folder, no_link, profiles_of
 from rtkit.web.jobs.running import outcome_of, shown
 from rtkit.web.live.steps import CommandStep
@@ -75,7 +76,7 @@ class _BuildingRoom:
         return JSONResponse({"folders": folders, "files": files, "types": types})
 
     async def new(self, request: Request) -> Response:
-        name = _text(await body_of(request), "name")
+        name = text_in(await body_of(request), "name")
         date = datetime.now().astimezone().replace(microsecond=0).isoformat()
         heading = ComponentHeading(name, date, rate=10.0)
         return JSONResponse(_opened(new_component(heading, callbacks=_CALLBACKS)))
@@ -83,10 +84,10 @@ class _BuildingRoom:
     async def open(self, request: Request) -> Response:
         body = await body_of(request)
         if "file" in body:
-            source = granted(_text(body, "file"), self._site.folders)
+            source = granted(text_in(body, "file"), self._site.folders)
             data: str | bytes = await asyncio.to_thread(read_bytes, source)
         else:
-            source, data = _text(body, "name", "RTC.xml"), _text(body, "text")
+            source, data = text_in(body, "name", "RTC.xml"), text_in(body, "text")
         found = await asyncio.to_thread(examine, data, source, kind="rtc")
         if not isinstance(found.profile, RtcProfile):
             reasons = "; ".join(f"line {each.line}: {each.text}" for each in found.errors)
@@ -96,7 +97,7 @@ class _BuildingRoom:
 
     async def preview(self, request: Request) -> Response:
         body = await body_of(request)
-        form, folder = _form(body), self._folder(body)
+        form, folder = object_in(body, "form"), self._folder(body)
         profile, findings = await asyncio.to_thread(self._read, form, folder)
         answer: Record = {"findings": findings, "xml": "", "files": [], "notes": [], "module": None}
         if profile is None:
@@ -117,7 +118,7 @@ class _BuildingRoom:
 
     async def write(self, request: Request) -> Response:
         body = await body_of(request)
-        form, folder = _form(body), self._granted_folder(body)
+        form, folder = object_in(body, "form"), self._granted_folder(body)
         line = ("rtbuild", f"--output={folder}", *_options(body), "-")
         text = f"Generate the files of {folder}"
         if body.get("dry_run"):
@@ -140,7 +141,7 @@ class _BuildingRoom:
 
     async def export(self, request: Request) -> Response:
         body = await body_of(request)
-        form, kind = _form(body), _text(body, "kind", "xml")
+        form, kind = object_in(body, "form"), text_in(body, "kind", "xml")
         if kind not in FORMS:
             raise Malformed(f"kind: {', '.join(FORMS)}, not {kind!r}")
         profile, findings = await asyncio.to_thread(read_form, form)
@@ -156,7 +157,7 @@ class _BuildingRoom:
     async def put_back(self, request: Request) -> Response:
         self._site.check_change()
         body = await body_of(request)
-        folder, path = self._granted_folder(body), _text(body, "backup")
+        folder, path = self._granted_folder(body), text_in(body, "backup")
         copy = next((e for e in await asyncio.to_thread(_copies, folder) if e.path == path), None)
         if copy is None:
             raise NotFound(f"No such backup: {path}")
@@ -187,7 +188,7 @@ class _BuildingRoom:
         Raises:
             Refused: It is none that was granted.
         """
-        folder = _text(body, "folder", "")
+        folder = text_in(body, "folder", "")
         return granted_folder(folder, self._site.folders) if self._site.folders else ""
 
     def _read(self, form: Form, folder: str) -> tuple[RtcProfile | None, Sequence[FieldFinding]]:
@@ -281,17 +282,3 @@ def _options(body: Record) -> list[str]:
         raise Malformed(f"choices: {', '.join(_CHOICES)} for names of files are wanted")
     adds = ["--add"] if body.get("adds") is True else []
     return [*adds, *(f"--{choice}={name}" for name, choice in choices.items())]
-
-
-def _form(body: Record) -> Form:
-    form = body.get("form")
-    if not isinstance(form, dict):
-        raise Malformed("form: an object is wanted")
-    return form
-
-
-def _text(body: Record, key: str, default: str | None = None) -> str:
-    value = body.get(key, default)
-    if not isinstance(value, str) or "\0" in value:
-        raise Malformed(f"{key}: a text is wanted, not {value!r}")
-    return value

@@ -18,7 +18,8 @@ from rtkit.profile_tools.system_edits import Key
 from rtkit.web.documents.component_types import TypeStock
 from rtkit.web.documents.document import Document
 from rtkit.web.documents.document_view import misfit, records_of_view
-from rtkit.web.live.steps import Action, list_in, listed, text_in, texts_in
+from rtkit.web.fields import object_in, text_in, texts_in, words_in, wrong
+from rtkit.web.live.steps import Action, listed
 
 _HOST = "localhost"
 _MARGIN = 40
@@ -65,7 +66,7 @@ def _free_place(document: Document) -> tuple[int, int] | None:
 
 
 def _remove(document: Document, edit: Action) -> Edited:
-    components, connectors = list_in(edit, "components"), list_in(edit, "connectors")
+    components, connectors = words_in(edit, "components"), words_in(edit, "connectors")
     keys = [_own(document, each) for each in components]
     known = {each["id"] for each in _wires(document)}
     for each in connectors:
@@ -209,7 +210,7 @@ def _identify(document: Document, edit: Action) -> Edited:
     # Nothing and an empty text are two things in a profile: one that was left alone stays.
     if (abstract, comment) != (profile.abstract or "", profile.comment or ""):
         profile = replace(profile, abstract=abstract or None, comment=comment or None)
-    log = list_in(edit, "log")
+    log = words_in(edit, "log")
     if tuple(log) != profile.version_up_logs:
         profile = replace(profile, version_up_logs=tuple(log))
     return profile, "Change what the profile tells of itself"
@@ -270,10 +271,10 @@ def _wires(document: Document) -> Sequence[Mapping[str, object]]:
 
 def _values(edit: Action, key: str) -> dict[str, str | None]:
     """Return texts of an edit by their names; None for what is to go."""
-    value = edit.get(key)
-    if not isinstance(value, dict) or not value:
-        raise Malformed(f"{key}: an object is wanted, not {value!r}")
-    return {name: None if value[name] is None else text_in(value, name) for name in value}
+    texts = object_in(edit, key)
+    if not texts:
+        raise wrong(key, "an object with texts", texts)
+    return {name: None if texts[name] is None else text_in(texts, name) for name in texts}
 
 
 def _place(value: object) -> tuple[int, int]:

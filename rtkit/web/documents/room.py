@@ -20,8 +20,8 @@ from rtkit.web.documents.document_edits import edited
 from rtkit.web.documents.document_view import fitting_ports
 from rtkit.web.documents.drafts import DocumentDraft, DocumentDrafts, digest
 from rtkit.web.documents.lost_variables import lost_variables
+from rtkit.web.fields import text_in, words_in
 from rtkit.web.folders import granted
-from rtkit.web.live.steps import list_in, text_in
 from rtkit.web.replies import body_of
 from rtkit.web.site import WebSite
 
@@ -227,5 +227,5 @@ class _DocumentRoom:
 
 
 async def _answer(document: Document, body: Record) -> Response:
-    record = await asyncio.to_thread(document.record, list_in(body, "folded"))
+    record = await asyncio.to_thread(document.record, words_in(body, "folded"))
     return JSONResponse(record)

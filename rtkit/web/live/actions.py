@@ -12,18 +12,10 @@ from uuid import uuid4
 
 from rtkit.api.live_records import SystemRecords
 from rtkit.errors import Malformed, Refused
+from rtkit.web.fields import text_in, texts_in
 from rtkit.web.folders import granted
 from rtkit.web.live import composite_steps, configuration_steps, context_steps, manager_steps
-from rtkit.web.live.steps import (
-    Action,
-    CommandStep,
-    component_in,
-    context_in,
-    found_in,
-    port_in,
-    text_in,
-    texts_in,
-)
+from rtkit.web.live.steps import Action, CommandStep, component_in, context_in, found_in, port_in
 from rtkit.web.machines import machine_steps
 from rtkit.web.plans.ordering import ordered
 from rtkit.web.properties.property_steps import ValueOf, set_value

@@ -7,16 +7,8 @@ from collections.abc import Sequence
 from rtkit.api.live_records import Record, SystemRecords
 from rtkit.errors import NotFound, Refused
 from rtkit.rtc.enums import LifeCycleState
-from rtkit.web.live.steps import (
-    Action,
-    CommandStep,
-    component_in,
-    found_in,
-    list_in,
-    listed,
-    port_in,
-    text_in,
-)
+from rtkit.web.fields import text_in, words_in
+from rtkit.web.live.steps import Action, CommandStep, component_in, found_in, listed, port_in
 
 _SET, _SHOWN = "default", "exported_ports"
 
@@ -26,7 +18,7 @@ def compose(action: Action, records: SystemRecords) -> CommandStep:
     process = found_in(action, "process", records.processes, "process")["id"]
     name, kind = text_in(action, "name"), text_in(action, "type", "")
     options = text_in(action, "options", "")
-    members, ports = list_in(action, "members"), list_in(action, "ports")
+    members, ports = words_in(action, "members"), words_in(action, "ports")
     for each in members:
         component_in({"component": each}, records)
     for each in ports:
@@ -71,7 +63,11 @@ def add_member(action: Action, records: SystemRecords) -> CommandStep:
     if is_member and not ports:
         raise Refused(f"{member} is in {whole['id']} already")
     line = ("rtcomp", f"--add={_member(member, ports)}", "--", whole["id"])
-    undo = {**action, "do": "remove_member", "ports": list_in(action, "ports") if is_member else []}
+    undo = {
+        **action,
+        "do": "remove_member",
+        "ports": words_in(action, "ports") if is_member else [],
+    }
     what = f"Show {', '.join(ports)} at" if is_member else f"Take {member} into"
     before = [] if is_member else _activations([member], records)
     return CommandStep(f"{what} the composite {whole['id']}", line, (undo, *before))
@@ -84,7 +80,7 @@ def remove_member(action: Action, records: SystemRecords) -> CommandStep:
         raise NotFound(f"{member} is not in {whole['id']}")
     shown = [each.rpartition(":")[2] for each in _shown(whole, records) if _owner(each) == member]
     line = ("rtcomp", f"--remove={_member(member, ports)}", "--", whole["id"])
-    names = list_in(action, "ports")
+    names = words_in(action, "ports")
     undo = {**action, "do": "add_member", "ports": names or shown}
     what = f"Hide {', '.join(ports)} at" if ports else f"Let {member} go from"
     return CommandStep(f"{what} the composite {whole['id']}", line, (undo,))
@@ -112,7 +108,7 @@ def _activations(ids: Sequence[str], records: SystemRecords) -> list[Action]:
 def _change(action: Action, records: SystemRecords) -> tuple[Record, str, list[str]]:
     """Return the composite, the path of the member and those of its ports that are meant."""
     member = found_in(action, "member", records.components, "component")["id"]
-    paths = [f"{member}:{name}" for name in list_in(action, "ports")]
+    paths = [f"{member}:{name}" for name in words_in(action, "ports")]
     for each in paths:
         port_in({"port": each}, "port", records)
     return _composite(action, records), member, paths

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from rtkit.api.live_records import Record, SystemRecords
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.web.live.steps import Action, CommandStep, component_in, text_in, texts_in
+from rtkit.web.fields import text_in, texts_in
+from rtkit.web.live.steps import Action, CommandStep, component_in
 
 
 def configure(action: Action, records: SystemRecords) -> CommandStep:

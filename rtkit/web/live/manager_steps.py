@@ -7,15 +7,8 @@ from collections.abc import Sequence
 from rtkit.api.live_records import Record, SystemRecords
 from rtkit.errors import NotFound, Refused
 from rtkit.rtc.manager_address import is_address
-from rtkit.web.live.steps import (
-    Action,
-    CommandStep,
-    component_in,
-    found_in,
-    listed,
-    text_in,
-    wires_of,
-)
+from rtkit.web.fields import text_in
+from rtkit.web.live.steps import Action, CommandStep, component_in, found_in, listed, wires_of
 
 _HERE = "localhost"
 

@@ -15,11 +15,12 @@ from rtkit.api.live_scene import drawing_of
 from rtkit.drawing.export import FORMS, exported
 from rtkit.errors import Malformed, NotFound
 from rtkit.web.audit.audit_log import Author
+from rtkit.web.fields import words_in
 from rtkit.web.jobs.running import carried_out, records_from, shown
 from rtkit.web.live.actions import steps_of
 from rtkit.web.live.arrange import arranged, part_of
 from rtkit.web.live.fitting import fitting, offers_of
-from rtkit.web.live.steps import Action, CommandStep, list_in
+from rtkit.web.live.steps import Action, CommandStep
 from rtkit.web.replies import body_of
 from rtkit.web.site import WebSite
 
@@ -47,12 +48,12 @@ class _SystemRoom:
 
     async def layout(self, request: Request) -> Response:
         body = await body_of(request)
-        folded, moment = list_in(body, "folded"), body.get("at")
+        folded, moment = words_in(body, "folded"), body.get("at")
         if moment is not None and (isinstance(moment, bool) or not isinstance(moment, int | float)):
             raise Malformed("at: a time is wanted [s since 1970]")
         revision, records = self._site.revision, self._records_at(moment)
         if "shown" in body:
-            records = part_of(records, frozenset(list_in(body, "shown")))
+            records = part_of(records, frozenset(words_in(body, "shown")))
         layout = await asyncio.to_thread(arranged, records, folded)
         return JSONResponse({"revision": revision, **layout})
 

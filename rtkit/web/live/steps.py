@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 from rtkit.api.live_records import Record, Records, SystemRecords
-from rtkit.errors import Malformed, NotFound
+from rtkit.errors import NotFound
+from rtkit.web.fields import Fields, text_in
 
-Action = Mapping[str, Any]
+Action = Fields
 
 
 class CommandStep(NamedTuple):
@@ -33,42 +34,6 @@ class CommandStep(NamedTuple):
     target: str = ""
     old: str | None = None
     new: str | None = None
-
-
-def text_in(action: Action, key: str, default: str | None = None) -> str:
-    """Return a text of an action.
-
-    Raises:
-        Malformed: It has none, or none that a command line can hold.
-    """
-    value = action.get(key, default)
-    if not isinstance(value, str) or "\0" in value:
-        raise Malformed(f"{key}: a text is wanted, not {value!r}")
-    return value
-
-
-def texts_in(action: Action, key: str) -> dict[str, str]:
-    """Return texts of an action by their names; none where it has none.
-
-    Raises:
-        Malformed: It has something else.
-    """
-    value = action.get(key, {})
-    if not isinstance(value, dict):
-        raise Malformed(f"{key}: an object is wanted, not {value!r}")
-    return {name: text_in(value, name) for name in value}
-
-
-def list_in(action: Action, key: str) -> list[str]:
-    """Return a list of texts of an action; an empty one where it has none.
-
-    Raises:
-        Malformed: It has something else.
-    """
-    value = action.get(key, [])
-    if not isinstance(value, list):
-        raise Malformed(f"{key}: a list is wanted, not {value!r}")
-    return [text_in({key: each}, key) for each in value]
 
 
 def found_in(action: Action, key: str, records: Records, what: str) -> Record:

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from rtkit.api.live_records import Record
-from rtkit.errors import Malformed
 from rtkit.services.paths import RESERVED
 from rtkit.services.statemachine.expressions import Expression, Plain, plain_of
 from rtkit.services.statemachine.model import (
@@ -32,6 +31,7 @@ from rtkit.services.statemachine.rdf import (
     seconds_of,
     write_machine,
 )
+from rtkit.web.fields import list_in, object_in, text_in, wrong
 
 _LISTS = ("entry", "exit", "do")
 _HOWS = ("value", "expression", "get")
@@ -118,7 +118,7 @@ def draft_of(record: object) -> Draft:
     Raises:
         Malformed: It is no such record.
     """
-    return _Reading(_object(record, "machine")).draft()
+    return _Reading(object_in({"machine": record}, "machine")).draft()
 
 
 class _Reading:
@@ -126,14 +126,14 @@ class _Reading:
         self._record = record
         self._problems: list[DraftProblem] = []
         self._at = ""
-        states = [_object(each, "state") for each in _list(record, "states")]
-        self._states = {_text(each, "path"): each for each in states}
-        self._counts = Counter(_text(each, "path") for each in states)
+        states = [object_in({"state": each}, "state") for each in list_in(record, "states")]
+        self._states = {text_in(each, "path", ""): each for each in states}
+        self._counts = Counter(text_in(each, "path", "") for each in states)
         self._inside = by_outer(self._states)
         self._variables = self._read_variables()
 
     def draft(self) -> Draft:
-        name, initial = _text(self._record, "name"), _text(self._record, "initial")
+        name, initial = text_in(self._record, "name", ""), text_in(self._record, "initial", "")
         if not name.strip():
             self._note("name", "The machine has no name.")
         if not self._states:
@@ -141,7 +141,7 @@ class _Reading:
         else:
             self._check_initial(initial)
         states = {path: self._state(path, each) for path, each in self._states.items()}
-        machine = Machine(name, initial, states, self._variables, _text(self._record, "doc"))
+        machine = Machine(name, initial, states, self._variables, text_in(self._record, "doc", ""))
         if not self._problems:
             self._check_whole(machine)
         if not self._problems:
@@ -160,24 +160,24 @@ class _Reading:
 
     def _read_variables(self) -> dict[str, Plain]:
         found: dict[str, Plain] = {}
-        for each in _list(self._record, "variables"):
-            variable = _object(each, "variable")
-            name = _text(variable, "name")
+        for each in list_in(self._record, "variables"):
+            variable = object_in({"variable": each}, "variable")
+            name = text_in(variable, "name", "")
             if not STATE_NAME.fullmatch(name):
                 self._note("variables", f"“{name}” is no name: letters, digits, - and _.")
             elif name in found:
                 self._note("variables", f"There are two variables {name}.")
-            found[name] = plain_of(_text(variable, "value"))
+            found[name] = plain_of(text_in(variable, "value", ""))
         return found
 
     def _state(self, path: str, record: Record) -> MachineState:
         self._at = path
         self._check_path(path)
-        initial, is_final = _text(record, "initial"), record.get("is_final") is True
+        initial, is_final = text_in(record, "initial", ""), record.get("is_final") is True
         entry, exit_, do = (tuple(self._actions(record, word)) for word in _LISTS)
         ways = tuple(
-            self._transition(_object(each, "transition"), f"transitions.{index}")
-            for index, each in enumerate(_list(record, "transitions"))
+            self._transition(object_in({"transition": each}, "transition"), f"transitions.{index}")
+            for index, each in enumerate(list_in(record, "transitions"))
         )
         if is_final and (entry or exit_ or do or ways or self._inside.get(path)):
             self._note("is_final", "A final state has no actions, no transitions, no states.")
@@ -185,7 +185,9 @@ class _Reading:
             self._check_initial(initial)
         elif initial:
             self._note("initial", f"There is no state {initial} inside it.")
-        return MachineState(path, initial, is_final, entry, exit_, do, ways, _text(record, "doc"))
+        return MachineState(
+            path, initial, is_final, entry, exit_, do, ways, text_in(record, "doc", "")
+        )
 
     def _check_path(self, path: str) -> None:
         outer, _, name = path.rpartition(".")
@@ -207,25 +209,27 @@ class _Reading:
             self._note("initial", f"The initial state of {whose}, {initial}, is not inside it.")
 
     def _transition(self, record: Record, part: str) -> GuardedTransition:
-        to, on = _text(record, "to"), _text(record, "on")
+        to, on = text_in(record, "to", ""), text_in(record, "on", "")
         if to and to not in self._states:
             self._note(part, f"There is no state {to}{hint(to, self._states)}.")
-        when = self._expression(_text(record, "when"), part)
-        after = self._seconds(_text(record, "after"), part)
+        when = self._expression(text_in(record, "when", ""), part)
+        after = self._seconds(text_in(record, "after", ""), part)
         actions = tuple(self._actions(record, "actions", part))
         if not (to or on or actions):
             self._note(part, "A transition has a state to go to, an event, or actions.")
         return GuardedTransition(to, on, when, after, actions)
 
     def _actions(self, record: Record, word: str, within: str = "") -> Iterator[MachineAction]:
-        for index, each in enumerate(_list(record, word)):
+        for index, each in enumerate(list_in(record, word)):
             part = within or f"{word}.{index}"
-            yield self._action(_object(each, "action"), part, is_repeated=word == "do")
+            yield self._action(
+                object_in({"action": each}, "action"), part, is_repeated=word == "do"
+            )
 
     def _action(self, record: Record, part: str, *, is_repeated: bool) -> MachineAction:
-        kind, target = _choice(record, "kind", _KINDS), _text(record, "target")
-        how, value = _choice(record, "how", _HOWS), _text(record, "value")
-        every = self._seconds(_text(record, "every"), part) if is_repeated else None
+        kind, target = _choice(record, "kind", _KINDS), text_in(record, "target", "")
+        how, value = _choice(record, "how", _HOWS), text_in(record, "value", "")
+        every = self._seconds(text_in(record, "every", ""), part) if is_repeated else None
         if not target:
             what = {"set": "property", "assign": "variable", "raise": "event"}[kind]
             self._note(part, f"The action names no {what}.")
@@ -298,28 +302,8 @@ def _reached(machine: Machine) -> set[str]:
     return reached
 
 
-def _object(value: object, what: str) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise Malformed(f"{what}: an object is wanted, not {value!r}"[:200])
-    return value
-
-
-def _list(record: Mapping[str, Any], key: str) -> list[Any]:
-    value = record.get(key, [])
-    if not isinstance(value, list):
-        raise Malformed(f"{key}: a list is wanted, not {value!r}"[:200])
-    return value
-
-
-def _text(record: Mapping[str, Any], key: str) -> str:
-    value = record.get(key, "")
-    if not isinstance(value, str):
-        raise Malformed(f"{key}: a text is wanted, not {value!r}"[:200])
-    return value
-
-
 def _choice(record: Mapping[str, Any], key: str, choices: Iterable[str]) -> str:
-    value = _text(record, key) or next(iter(choices))
+    value = text_in(record, key, "") or next(iter(choices))
     if value not in choices:
-        raise Malformed(f"{key}: {', '.join(choices)}, not {value!r}"[:200])
+        raise wrong(key, " or ".join(choices), value)
     return value

@@ -6,8 +6,9 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 
 from rtkit.errors import Malformed, Refused
+from rtkit.web.fields import number_in, text_in
 from rtkit.web.folders import granted
-from rtkit.web.live.steps import Action, CommandStep, text_in
+from rtkit.web.live.steps import Action, CommandStep
 
 ENDINGS = (".ttl", ".rdf", ".scxml")
 """Endings of files that hold machines: Turtle, RDF/XML, SCXML."""
@@ -17,7 +18,7 @@ _DONE_MEANWHILE = "what the machine did meanwhile is done"
 
 def _edit(action: Action, _folders: Sequence[str]) -> CommandStep:
     """Put a text in force, if nobody has edited the machine since it had so many edits."""
-    machine, edits = text_in(action, "machine"), _number(action, "edits")
+    machine, edits = text_in(action, "machine"), number_in(action, "edits")
     text, goto, before = (text_in(action, key, "") for key in ("text", "goto", "before"))
     if not text.strip():
         raise Malformed("text: the text of a machine is wanted")
@@ -105,13 +106,6 @@ STEPS: Mapping[str, Callable[[Action, Sequence[str]], CommandStep]] = {
     "activate_machine": _activate,
 }
 """Steps by the verbs that ask for them."""
-
-
-def _number(action: Action, key: str) -> int:
-    value = action.get(key)
-    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise Malformed(f"{key}: a number is wanted, not {value!r}")
-    return value
 
 
 def _escaped(text: str) -> str:

@@ -17,6 +17,7 @@ from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.services.statemachine.model import BadMachine
 from rtkit.services.statemachine.rdf import write_machine
 from rtkit.services.statemachine.texts import as_rdf_xml, read_text
+from rtkit.web.fields import text_in
 from rtkit.web.folders import granted, profiles_in
 from rtkit.web.machines.drafts import draft_of, record_of
 from rtkit.web.machines.machine_layout import machine_layout
@@ -118,14 +119,14 @@ class _MachineRoom:
     async def read(self, request: Request) -> Response:
         """Answer the machine that a text is, or another one with the state that it is."""
         body = await body_of(request)
-        text, at = _text(body, "text"), _text(body, "at")
+        text, at = text_in(body, "text", ""), text_in(body, "at", "")
         record = body.get("machine") if at else None
         return JSONResponse({"machine": await asyncio.to_thread(_read, text, record, at)})
 
     async def write(self, request: Request) -> Response:
         """Answer the text of a machine, or of a state with all inside it."""
         body = await body_of(request)
-        form, at = _text(body, "form"), _text(body, "at")
+        form, at = text_in(body, "form", ""), text_in(body, "at", "")
         text = await asyncio.to_thread(_written, body.get("machine"), form, at)
         return JSONResponse({"text": text})
 
@@ -144,13 +145,6 @@ def _parameter(request: Request, name: str) -> str:
 def _content(path: str) -> str:
     with open(path, encoding="utf-8") as stream:
         return stream.read(_MOST_LETTERS)
-
-
-def _text(body: Record, key: str) -> str:
-    value = body.get(key, "")
-    if not isinstance(value, str):
-        raise Malformed(f"{key}: a text is wanted")
-    return value
 
 
 def _read(text: str, record: object, at: str) -> Record:

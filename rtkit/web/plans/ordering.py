@@ -16,8 +16,9 @@ from rtkit.profile.read import read_bytes, read_rts
 from rtkit.profile.rts_model import DataPortConnector, ServicePortConnector, TargetPort
 from rtkit.profile.words import strip_instance
 from rtkit.profile_tools.ordering import NAMES, steps_in
+from rtkit.web.fields import text_in, words_in
 from rtkit.web.folders import granted
-from rtkit.web.live.steps import Action, CommandStep, list_in, text_in
+from rtkit.web.live.steps import Action, CommandStep
 from rtkit.web.site import WebSite
 
 
@@ -79,11 +80,11 @@ def ordered(action: Action, folders: Sequence[str]) -> CommandStep:
         NotFound: There is no such file.
     """
     file, name = granted(text_in(action, "file"), folders), text_in(action, "order")
-    steps = list_in(action, "steps")
+    steps = words_in(action, "steps")
     if name not in NAMES:
         raise Malformed(f"order: there is no {name!r}; there are {', '.join(NAMES)}")
     former = steps_in(read_rts(read_bytes(file), file).profile, name)
-    if "expect" in action and list_in(action, "expect") != former:
+    if "expect" in action and words_in(action, "expect") != former:
         raise Refused(f"{file} has another order by now")
     line = ["rtprofile", "order", *([] if steps else ["--remove"]), "--", file, name, *steps]
     undo = {"do": "order", "file": file, "order": name, "steps": former, "expect": steps}

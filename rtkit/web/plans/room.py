@@ -20,9 +20,10 @@ from starlette.routing import Route
 from rtkit.api.live_records import Record
 from rtkit.errors import Malformed, Refused
 from rtkit.web.audit.audit_log import Author
+from rtkit.web.fields import text_in, texts_in, words_in
 from rtkit.web.folders import granted
 from rtkit.web.jobs.running import outcome_of
-from rtkit.web.live.steps import Action, list_in, text_in, texts_in
+from rtkit.web.live.steps import Action
 from rtkit.web.replies import body_of
 from rtkit.web.site import WebSite
 
@@ -150,7 +151,7 @@ def request_in(body: Action, folders: Sequence[str]) -> PlanRequest:
     options += [f"--map={old}={new}" for old, new in texts_in(body, "map").items() if old != new]
     options += [f"--set={key}={value}" for key, value in texts_in(body, "set").items()]
     options += [f"--place={name}={place}" for name, place in texts_in(body, "place").items()]
-    options += [f"--without={each}" for each in list_in(body, "without")]
+    options += [f"--without={each}" for each in words_in(body, "without")]
     prefix = text_in(body, "prefix", "")
     options += [f"--prefix={prefix}"] if prefix else []
     return PlanRequest(deed, file, tuple(options))

@@ -9,7 +9,8 @@ from rtkit.errors import Refused
 from rtkit.property.codes import PropertyError
 from rtkit.property.reading import read
 from rtkit.property.values import Element
-from rtkit.web.live.steps import Action, CommandStep, text_in
+from rtkit.web.fields import text_in
+from rtkit.web.live.steps import Action, CommandStep
 
 ValueOf = Callable[[str], "str | bytes"]
 """Returns the payload of a property, given its target; blocks."""

@@ -18,6 +18,7 @@ from rtkit.api.live_records import Record
 from rtkit.errors import Malformed, NotFound, RtkitError
 from rtkit.panel.description import Panel, read_panel
 from rtkit.web.audit.audit_log import Author
+from rtkit.web.fields import Fields, text_in
 from rtkit.web.pages import NOTICE, PageStream
 from rtkit.web.properties.description import PropertyDescriptions
 from rtkit.web.properties.foreign_components import ForeignComponents
@@ -67,13 +68,13 @@ class _PropertyRoom:
         return JSONResponse({"services": [each._asdict() for each in found]})
 
     async def names(self, request: Request) -> Response:
-        of = _target(request.query_params.get("of"))
+        of = _target(request.query_params, "of")
         names = partial(self._services.names, of)
         found = await self._run(partial(names, all=1)) or await self._run(names)
         return JSONResponse({"names": found})
 
     async def value(self, request: Request) -> Response:
-        ask = Ask(_target(request.query_params.get("target")))
+        ask = Ask(_target(request.query_params))
         payload = await self._run(partial(self._client.payload, ask, _BOUND_S))
         if isinstance(payload, bytes):
             return Response(payload, media_type="application/octet-stream")
@@ -81,14 +82,12 @@ class _PropertyRoom:
 
     async def set(self, request: Request) -> Response:
         body = await body_of(request)
-        target, text = _target(body.get("target")), body.get("value")
-        if not isinstance(text, str):
-            raise Malformed("value: a text is wanted")
+        target, text = _target(body), text_in(body, "value")
         self._site.check_change()
         rest = _rest(body)
         page = None
         if rest is not None or "page" in body:
-            page = self._site.pages.found(_text(body.get("page"), "page"))
+            page = self._site.pages.found(text_in(body, "page"))
         author, audit, line = Author(request), self._site.audit, set_line(target, text)
         moving = audit.moving(author, target)
         if rest is not None:
@@ -112,7 +111,7 @@ class _PropertyRoom:
 
     async def watch(self, request: Request) -> Response:
         body = await body_of(request)
-        page = self._site.pages.found(_text(body.get("page"), "page"))
+        page = self._site.pages.found(text_in(body, "page"))
         before = self._watches.pop(page, None)
         if before is not None:
             await before.end()
@@ -127,13 +126,13 @@ class _PropertyRoom:
 
     def _described(self, body: Record) -> Callable[[], Panel] | None:
         if body.get("layout"):
-            return partial(self._descriptions.of_page, read_panel(_text(body["layout"], "layout")))
+            return partial(self._descriptions.of_page, read_panel(text_in(body, "layout")))
         if body.get("of"):
-            return partial(self._descriptions.of, _target(body["of"]))
+            return partial(self._descriptions.of, _target(body, "of"))
         return None
 
     async def component(self, request: Request) -> Response:
-        target = _target((await body_of(request)).get("target"))
+        target = _target(await body_of(request))
         if not target.endswith(".html"):
             raise NotFound(f"this is no component: {target}")
         code = await self._run(partial(self._client.payload, Ask(target), _BOUND_S))
@@ -184,19 +183,11 @@ def _rest(body: Record) -> Rest | None:
     after = body.get("after", _SHORTEST_REST_S)
     if isinstance(after, bool) or not isinstance(after, int | float):
         raise Malformed(f"after: a time is wanted [s], not {after!r}")
-    return Rest(
-        _text(body["rest"], "rest"), min(_LONGEST_REST_S, max(_SHORTEST_REST_S, float(after)))
-    )
+    return Rest(text_in(body, "rest"), min(_LONGEST_REST_S, max(_SHORTEST_REST_S, float(after))))
 
 
-def _target(given: object) -> str:
-    target = _text(given, "target")
+def _target(fields: Fields, key: str = "target") -> str:
+    target = text_in(fields, key, "")
     if not target or "\n" in target:
-        raise Malformed("target: the name of a property is wanted")
+        raise Malformed(f"{key}: the name of a property is wanted")
     return target
-
-
-def _text(given: object, key: str) -> str:
-    if not isinstance(given, str) or "\0" in given:
-        raise Malformed(f"{key}: a text is wanted")
-    return given

@@ -89,7 +89,7 @@ def test_odd_things_are_told_and_may_be_put_in_force() -> None:
         (None, "machine: an object is wanted"),
         ({"states": {}}, "states: a list is wanted"),
         ({"states": [{"path": 1}]}, "path: a text is wanted"),
-        ({"states": [{"path": "a", "entry": [{"kind": "do"}]}]}, "kind: set, assign, raise"),
+        ({"states": [{"path": "a", "entry": [{"kind": "do"}]}]}, "kind: set or assign or raise"),
     ],
 )
 def test_what_is_no_record_is_refused(record: Any, why: str) -> None:
