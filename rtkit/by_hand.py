@@ -40,6 +40,8 @@ if TYPE_CHECKING:
     from rtkit.tree.client import Tree
 
 Value = str | int | float | bool
+Complete = Callable[[str, Mapping[str, str]], Mapping[str, str]]
+"""Takes the name of an instance and its options, and returns these with more."""
 _log = logging.getLogger("rtkit")
 _running: dict[tuple[str, str], RunningComponent] = {}
 """Components of this process, by type and the name that was asked for: a cell that is run again
@@ -56,6 +58,7 @@ class _Wish(NamedTuple):
     starts: bool
     timeout_s: float
     replaces: bool = True
+    complete: Complete = lambda _name, options: options
 
 
 def run(
@@ -123,7 +126,11 @@ def run(
 
 
 def begin(
-    component_class: type[Component], name: str, options: Mapping[str, str], timeout_s: float
+    component_class: type[Component],
+    name: str,
+    options: Mapping[str, str],
+    complete: Complete,
+    timeout_s: float,
 ) -> RunningComponent:
     """Have one more component of a class live in this process, driven by threads of its own.
 
@@ -133,13 +140,14 @@ def begin(
         component_class: Its class.
         name: Of the instance; empty for the type and the lowest free number.
         options: As create strings have them.
+        complete: Adds to them when the name is known.
         timeout_s: How long the manager may take to answer [s].
 
     Raises:
         Unreachable: The manager does not answer.
         Refused: Its name is taken, or it does not initialise.
     """
-    wish = _Wish(name, options, False, "", False, timeout_s, replaces=False)
+    wish = _Wish(name, options, False, "", False, timeout_s, replaces=False, complete=complete)
     return RunningComponent(component_class, wish, is_driving=False)
 
 
@@ -247,11 +255,12 @@ class RunningComponent(Closing):
         setattr(component_class, CODE, code)
         while True:
             instance = wish.name or free_name(kind, taken)
-            component = component_class(instance, wish.options)
+            options = wish.complete(instance, wish.options)
+            component = component_class(instance, options)
             component.initialize()
-            for text in odd_options(component, wish.options):
+            for text in odd_options(component, options):
                 component.report(text)
-            origin = {"create": _create(kind, instance, wish.options), "module": _module(code)}
+            origin = {"create": _create(kind, instance, options), "module": _module(code)}
             try:
                 with ENTERING:
                     attached = attached_to(

@@ -32,7 +32,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from copy import copy
 from threading import Lock
-from typing import Any, Generic, NamedTuple, Protocol, Self, TypeVar, cast
+from typing import Any, ClassVar, Generic, NamedTuple, Protocol, Self, TypeVar, cast
 
 from rtkit.component.any_port import Port
 from rtkit.component.interface import Interface, InterfaceMethod
@@ -74,9 +74,14 @@ class _Link(NamedTuple):
 
 
 class ServicePort(Port):
-    """A port whose interfaces are offered or needed."""
+    """A port whose interfaces are offered or needed.
+
+    Attributes:
+        usual_timeout_s: Bound on a call where neither port nor connector has one [s].
+    """
 
     port_type = PortType.SERVICE
+    usual_timeout_s: ClassVar[float] = DEFAULT_TIMEOUT_S
 
     def __init__(
         self,
@@ -325,7 +330,7 @@ class ServicePort(Port):
 
     def _timeout(self, connector: ConnectorProfile) -> float:
         text = connector.properties.get(TIMEOUT, "") or self.properties.get(TIMEOUT, "")
-        timeout_s = read_float(text) if text.strip() else DEFAULT_TIMEOUT_S
+        timeout_s = read_float(text) if text.strip() else self.usual_timeout_s
         if not 0 < timeout_s < float("inf"):
             raise Malformed(f"{TIMEOUT}={text}: not a positive number of seconds")
         return timeout_s

@@ -11,9 +11,10 @@ import contextlib
 import os
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rtkit.component.base import Component
+from rtkit.container.composites import is_composite
 from rtkit.container.container import ComponentContainer
 from rtkit.container.manager_connection import ManagerConnection
 from rtkit.container.pacer import StartDriver
@@ -23,6 +24,9 @@ from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link import places
 from rtkit.link.local.streams import LocalStreams
 from rtkit.link.threads import start_thread
+
+if TYPE_CHECKING:
+    from rtkit.component.composite import Composite
 
 _SETTLE_S = 0.5
 """Time in which senders report how many values they have sent [s]."""
@@ -196,6 +200,7 @@ class AttachedProcess:
     ) -> None:
         errors: list[RtkitError] = []
         done = threading.Event()
+        composites: list[Composite] = []
 
         def hold() -> None:
             self._container.start_driver = start
@@ -204,9 +209,18 @@ class AttachedProcess:
                     is_new = not component.is_alive
                     (self._container.hold if is_new else self._container.drive)(component, kept)
                     self._held.add(component.instance)
+                    if is_composite(component):
+                        composites.append(component)
             except RtkitError as error:
                 errors.append(error)
-            done.set()
+            compose(None)
+
+        def compose(error: RtkitError | None) -> None:
+            errors.extend([error] if error is not None else [])
+            if composites and not errors:
+                self._container.composites.arrange(composites.pop(0), compose)
+            else:
+                done.set()
 
         self._container.post(hold)
         if not done.wait(timeout_s):

@@ -30,6 +30,7 @@ class Composites:
 
     def arrange(self, composite: Composite, then: Done) -> None:
         """Change a composite as its parameters say, then call `then` on the container's thread."""
+        composite.resolve = self._host.component
         self._enqueue(composite, composite.arrange, then)
 
     def part(self, component: Component, then: Callable[[], object]) -> None:

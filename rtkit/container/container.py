@@ -68,6 +68,7 @@ class ComponentContainer:
     Attributes:
         start_driver: Starts the work of each context, by default on a thread of its own.
         terminals: What components read from, if they do.
+        composites: Those that it holds take members in, and let them go.
     """
 
     def __init__(
@@ -95,7 +96,7 @@ class ComponentContainer:
         self._deletions: dict[str, list[Message]] = {}
         self._stale: set[DrivenComponent] = set()
         self._connectors = Connectors(self, wiring)
-        self._composites = Composites(self)
+        self.composites = Composites(self)
         self._operations: Mapping[str, Callable[[Message], Any]] = {
             "delete": self._delete,
             "set": self._set,
@@ -275,8 +276,6 @@ class ComponentContainer:
             self._drive(component, context)
 
     def _compose(self, message: Message, composite: Composite, answer: object) -> None:
-        composite.resolve = self.component
-
         def done(error: RtkitError | None) -> None:
             if error is None:
                 self.answer(message, answer)
@@ -284,7 +283,7 @@ class ComponentContainer:
                 self._end(composite.instance)
                 self.refuse(message, error)
 
-        self._composites.arrange(composite, done)
+        self.composites.arrange(composite, done)
 
     def _drive(self, component: Component, context: ExecutionContext) -> None:
         key = (component.instance, context.id)
@@ -343,7 +342,7 @@ class ComponentContainer:
                     self.refuse(message, error)
 
         if messages and is_composite(component) and not component.is_arranged:
-            self._composites.arrange(component, done)
+            self.composites.arrange(component, done)
         else:
             done(None)
 
@@ -364,7 +363,7 @@ class ComponentContainer:
         asked.append(message)
         if len(asked) > 1:
             return LATER
-        self._composites.part(component, lambda: self._release(component))
+        self.composites.part(component, lambda: self._release(component))
         return LATER
 
     def _release(self, component: Component) -> None:

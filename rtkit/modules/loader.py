@@ -361,7 +361,8 @@ def registered_by(
     if not callable(function):
         offered = [each for each, value in vars(module).items() if callable(value)]
         hint = did_you_mean(name, [each for each in offered if each.endswith("Init")])
-        raise NotFound(f"no init function {name}{hint} in module {path}")
+        way = foreign.way if foreign is not None and not hint else ""
+        raise NotFound(f"no init function {name}{hint} in module {path}{way}")
     registrar = _Registrar()
     try:
         function(registrar if foreign is None else foreign.manager(registrar))

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 from rtkit.openrtm import exceptions
 from rtkit.openrtm.absent import absent
+from rtkit.openrtm.object_broker import ObjectRequestBroker, ORB_init
 
 
 def is_nil(reference: Any) -> bool:
@@ -26,15 +28,26 @@ def corba_name(name: str) -> Any:
         "SystemException": exceptions.SystemException,
         "UserException": exceptions.UserException,
         "is_nil": is_nil,
+        "ORB": ObjectRequestBroker,
+        "ORB_ID": "omniORB4",
+        "ORB_init": ORB_init,
     }
     return known.get(name) or absent(f"CORBA.{name}")
+
+
+def _as_it_is(value: Any, *_: Any) -> Any:
+    return value  # an ``any`` of CORBA is the value itself
 
 
 def omniorb_name(name: str) -> Any:
     """Return a name of the module ``omniORB``."""
     from rtkit.openrtm import enumerations, twins
 
-    known = {"EnumItem": enumerations.EnumItem, "StructBase": twins.StructBase}
+    known = {
+        "EnumItem": enumerations.EnumItem,
+        "StructBase": twins.StructBase,
+        "any": SimpleNamespace(to_any=_as_it_is, from_any=_as_it_is),
+    }
     return known.get(name) or absent(f"omniORB.{name}")
 
 
@@ -58,9 +71,15 @@ def sdo_name(name: str) -> Any:
 
 def openrtm_name(name: str) -> Any:
     """Return a name of the module ``OpenRTM``."""
+    if name in ("DataFlowComponent", "ExtTrigExecutionContextService"):
+        from rtkit.openrtm import references
+
+        return getattr(references, name.removeprefix("ExtTrig"))
     return absent(f"OpenRTM.{name}")
 
 
 def naming_name(name: str) -> Any:
     """Return a name of the module ``CosNaming``."""
-    return absent(f"CosNaming.{name}")
+    from rtkit.openrtm import cos_naming
+
+    return vars(cos_naming.Names).get(name) or absent(f"CosNaming.{name}")

@@ -40,8 +40,10 @@ class SystemException(CorbaException):
         completed: Whether the operation was done.
     """
 
-    def __init__(self, minor: int = 0, completed: Any = COMPLETED["COMPLETED_NO"]) -> None:
-        super().__init__(minor, completed)
+    def __init__(
+        self, minor: int = 0, completed: Any = COMPLETED["COMPLETED_NO"], why: str = ""
+    ) -> None:
+        super().__init__(minor, completed, *filter(None, [why]))
         self.minor = minor
         self.completed = completed
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from types import FunctionType, ModuleType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 from rtkit.openrtm.folder import ComponentFolder, folder_of
 from rtkit.openrtm.manager import ModuleManager, Registrar
 from rtkit.openrtm.source import Compile
 
+_REGISTER = b"registerFactory"
 _CREATES_TOO = "MyModuleInit"
 """Name of the function that RTC Builder writes for a module that is run as a script."""
 
@@ -17,9 +18,10 @@ _CREATES_TOO = "MyModuleInit"
 class OpenRtmModule:
     """Facts that the loader needs of a module that was written for OpenRTM-aist."""
 
-    def __init__(self, module: ModuleType, folder: ComponentFolder) -> None:
+    def __init__(self, module: ModuleType, folder: ComponentFolder, text: bytes) -> None:
         self._module = module
         self._folder = folder
+        self._has_factories = _REGISTER in text
 
     @property
     def files(self) -> Mapping[str, int]:
@@ -30,7 +32,7 @@ class OpenRtmModule:
         """Return the function that registers its components.
 
         Where none has the usual name, it is the only one of one argument that registers anything,
-        else the one that RTC Builder calls `MyModuleInit`.
+        else the one that RTC Builder calls `MyModuleInit`, else the only one without arguments.
         """
         found: Any = getattr(self._module, name, None)
         if callable(found) or not is_usual:
@@ -40,16 +42,29 @@ class OpenRtmModule:
         alone = [each for each in registering if each.__name__ != _CREATES_TOO]
         mine: Any = getattr(self._module, _CREATES_TOO, None)
         if len(alone) == 1 or not callable(mine):
-            return next(iter([*alone, *registering]), None)
+            return next(iter([*alone, *registering]), None) or self._main_function()
         function: Callable[[Any], object] = mine
         return function
 
-    def _functions(self) -> list[FunctionType]:
+    def _main_function(self) -> Callable[[Any], object] | None:
+        """Return what has the main function register, where that is the only one that does."""
+        mains = [each for each in self._functions(0) if _registers(each)]
+        if len(mains) != 1:
+            return None
+        return lambda manager: manager.run_main(mains[0])
+
+    @property
+    def way(self) -> str:
+        """Advice where no init function was found: how it is run."""
+        register = "registers when it is run" if self._has_factories else "registers no component"
+        return f": it {register} (rtkit openrtm run {self._module.__file__})"
+
+    def _functions(self, arguments: int = 1) -> list[FunctionType]:
         return [
             each
             for each in vars(self._module).values()
             if isinstance(each, FunctionType)
-            and each.__code__.co_argcount == 1
+            and each.__code__.co_argcount == arguments
             and each.__globals__ is vars(self._module)
         ]
 
@@ -59,7 +74,12 @@ class OpenRtmModule:
 
 
 def _registers(function: FunctionType) -> bool:
-    return "registerFactory" in function.__code__.co_names
+    return _names_registration(function.__code__)
+
+
+def _names_registration(code: CodeType) -> bool:
+    inner = (each for each in code.co_consts if isinstance(each, CodeType))
+    return _REGISTER.decode() in code.co_names or any(map(_names_registration, inner))
 
 
 def run_module(module: ModuleType, text: bytes, compile_source: Compile) -> OpenRtmModule:
@@ -70,4 +90,4 @@ def run_module(module: ModuleType, text: bytes, compile_source: Compile) -> Open
     """
     folder = folder_of(str(module.__file__), compile_source)
     folder.run(module, text)
-    return OpenRtmModule(module, folder)
+    return OpenRtmModule(module, folder, text)

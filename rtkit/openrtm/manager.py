@@ -6,11 +6,13 @@ While a module is loaded nothing is created: that is for whoever asked for the m
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextvars import ContextVar
 from typing import Any, ClassVar, Protocol
 
 from rtkit.openrtm.absent import refuse
 from rtkit.openrtm.adapter import HeldComponent, held_class, living
 from rtkit.openrtm.logger import Logger
+from rtkit.openrtm.object_broker import ObjectAdapter, ObjectRequestBroker
 from rtkit.openrtm.properties import Properties
 
 
@@ -23,31 +25,6 @@ class Registrar(Protocol):
 
 def Delete(component: Any) -> None:
     """Do nothing: rtkit deletes components itself."""
-
-
-class ObjectAdapter:
-    """The object adapter of CORBA: a servant is its own reference within a process."""
-
-    def servant_to_reference(self, servant: Any) -> Any:
-        """Return a servant as it is."""
-        return servant
-
-    def reference_to_servant(self, reference: Any) -> Any:
-        """Return a reference as it is."""
-        return reference
-
-    def servant_to_id(self, servant: Any) -> int:
-        """Return a number of a servant."""
-        return id(servant)
-
-    def deactivate_object(self, id: Any) -> None:
-        """Do nothing."""
-
-    def _get_the_POAManager(self) -> ObjectAdapter:
-        return self
-
-    def activate(self) -> None:
-        """Do nothing."""
 
 
 class _Nothing:
@@ -66,12 +43,41 @@ class _Nothing:
         return iter(())
 
 
+class EndOfMain(BaseException):
+    """Leaves the main function of a module where it would run its manager."""
+
+
 class ModuleManager:
     """The manager that an init function gets, and ``Manager.instance()`` of its module."""
 
     def __init__(self, registrar: Registrar | None = None) -> None:
         self._registrar = registrar
         self._config = Properties()
+        self._begin: Callable[[Any], object] | None = None
+
+    def run_main(self, main: Callable[[], object]) -> None:
+        """Have a main function register, up to where it would run its manager."""
+        token = _of_main.set(self)
+        try:
+            main()
+        except EndOfMain:
+            pass
+        finally:
+            _of_main.reset(token)
+
+    def setModuleInitProc(self, proc: Callable[[Any], object]) -> None:
+        """Have a function called when the manager is activated."""
+        self._begin = proc
+
+    def activateManager(self) -> bool:
+        """Have the function called that registers."""
+        if self._begin is not None:
+            self._begin(self)
+        return True
+
+    def runManager(self, no_block: bool | None = None) -> None:
+        """Leave the main function: what comes behind is for a process of its own."""
+        raise EndOfMain
 
     def registerFactory(self, profile: Properties, new_func: Any, delete_func: Any = None) -> bool:
         """Offer a component class for creation."""
@@ -107,10 +113,18 @@ class ModuleManager:
         """Return the object adapter."""
         return ObjectAdapter()
 
+    def getORB(self) -> ObjectRequestBroker:
+        """Return the object request broker."""
+        return ObjectRequestBroker()
+
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         raise refuse(f"Manager.{name}")
+
+
+_of_main: ContextVar[ModuleManager | None] = ContextVar("_of_main", default=None)
+"""The manager of the module whose main function runs, so that it registers."""
 
 
 class Manager:
@@ -131,6 +145,9 @@ class Manager:
     @classmethod
     def init(cls, *arguments: Any) -> ModuleManager:
         """Start, or join, a manager for a module that is run as a script."""
+        loading = _of_main.get()
+        if loading is not None:
+            return loading
         argv = next((list(each) for each in arguments if isinstance(each, (list, tuple))), [])
         if cls.begin is None:
             raise refuse("Manager.init in a module that a manager loads")

@@ -8,6 +8,7 @@ from types import ModuleType
 from typing import Any
 
 from rtkit.openrtm.absent import absent
+from rtkit.openrtm.client_modules import CLIENTS, client_module
 from rtkit.openrtm.lazy_module import LazyModule
 
 _ROOM = "rtkit.openrtm"
@@ -71,7 +72,7 @@ _CORBA = {
 def shared_module(name: str) -> ModuleType | None:
     """Return a module of that name that is the same for all components; None for others."""
     if name == "OpenRTM_aist":
-        return LazyModule(name, _openrtm_name, lambda: [*_MODULE_OF, *_SUBMODULES])
+        return LazyModule(name, _openrtm_name, lambda: [*_MODULE_OF, *CLIENTS, *_SUBMODULES])
     outer, _, last = name.partition(".")
     if outer == "OpenRTM_aist":
         return _submodule(last)
@@ -96,6 +97,8 @@ def _openrtm_name(name: str) -> Any:
         from rtkit.openrtm.standard_types import rtc_names, rtc_value
 
         return LazyModule("RTC", rtc_value, rtc_names)
+    if name in CLIENTS:
+        return getattr(client_module(CLIENTS[name]), name)
     home = _MODULE_OF.get(name)
     if home is None:
         if name.startswith("_"):

@@ -151,7 +151,7 @@ def _system_exception(error: RtkitError) -> BaseException:
         name = "OBJECT_NOT_EXIST"
     elif (named := _SYSTEM_EXCEPTION.search(str(error))) and named[1] in SYSTEM_EXCEPTIONS:
         name = named[1]  # the servant has raised it
-    return SYSTEM_EXCEPTIONS[name]()
+    return SYSTEM_EXCEPTIONS[name](why=str(error))
 
 
 def _both(method: InterfaceMethod, converter_of: Callable[[Layout], Convert]) -> Convert:

@@ -10,6 +10,7 @@ from rtkit.component.port import InPort as FrozenInPort
 from rtkit.component.port import OutPort as FrozenOutPort
 from rtkit.errors import Malformed, RtkitError
 from rtkit.openrtm.absent import refuse
+from rtkit.openrtm.client_modules import client_module
 from rtkit.openrtm.connector_listeners import ListenedPort
 from rtkit.openrtm.properties import Properties
 from rtkit.openrtm.records import ConnectorProfile, PortProfile, name_values
@@ -93,6 +94,23 @@ class PortBase(ListenedPort, PortService):
     def isConnected(self) -> bool:
         """Return whether it has a connector."""
         return bool(self.port.connectors)
+
+    def connect(self, connector_profile: ConnectorProfile) -> tuple[Any, ConnectorProfile]:
+        """Have the ports of a profile connected; return a code, and the profile as it became."""
+        code, made = self._in_tree().connect(connector_profile)
+        return code, made
+
+    def disconnect(self, connector_id: str) -> Any:
+        """Have a connector removed."""
+        return self._in_tree().disconnect(connector_id)
+
+    def disconnect_all(self) -> Any:
+        """Have all its connectors removed."""
+        return self._in_tree().disconnect_all()
+
+    def _in_tree(self) -> Any:
+        """Return the port as others see it: the manager makes connectors, not the component."""
+        return client_module("far_references").FarPort(self.owner, self._name)
 
 
 class InPort(PortBase):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rtkit.openrtm.twins import StructBase
 
 
-class _Record(StructBase):
+class Record(StructBase):
     """Base of records: a constructor with all fields in order, also by name."""
 
     if TYPE_CHECKING:
@@ -22,35 +22,35 @@ class _Record(StructBase):
         vars(self).update(given)
 
 
-class NameValue(_Record):
+class NameValue(Record):
     """A name and a value of any kind."""
 
     field_names = ("name", "value")
     _NP_RepositoryId = "IDL:org.omg/SDOPackage/NameValue:1.0"
 
 
-class ConnectorProfile(_Record):
+class ConnectorProfile(Record):
     """A connector between ports."""
 
     field_names = ("name", "connector_id", "ports", "properties")
     _NP_RepositoryId = "IDL:omg.org/RTC/ConnectorProfile:1.0"
 
 
-class PortInterfaceProfile(_Record):
+class PortInterfaceProfile(Record):
     """An interface of a service port."""
 
     field_names = ("instance_name", "type_name", "polarity")
     _NP_RepositoryId = "IDL:omg.org/RTC/PortInterfaceProfile:1.0"
 
 
-class PortProfile(_Record):
+class PortProfile(Record):
     """A port as others see it."""
 
     field_names = ("name", "interfaces", "port_ref", "connector_profiles", "owner", "properties")
     _NP_RepositoryId = "IDL:omg.org/RTC/PortProfile:1.0"
 
 
-class ComponentProfile(_Record):
+class ComponentProfile(Record):
     """A component as others see it."""
 
     field_names = (
@@ -60,7 +60,7 @@ class ComponentProfile(_Record):
     _NP_RepositoryId = "IDL:omg.org/RTC/ComponentProfile:1.0"
 
 
-class ExecutionContextProfile(_Record):
+class ExecutionContextProfile(Record):
     """An execution context as others see it."""
 
     field_names = ("kind", "rate", "owner", "participants", "properties")

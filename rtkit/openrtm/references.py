@@ -48,13 +48,20 @@ DataFlowComponent = RTObject
 
 
 class ExecutionContext(Reference):
+    """An execution context."""
+
+
+ExecutionContextService = ExecutionContext
+
+
+class OwnExecutionContext(ExecutionContext):
     """An execution context that drives a component of this process."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, ExecutionContext) and other._context is self._context
+        return isinstance(other, OwnExecutionContext) and other._context is self._context
 
     def __hash__(self) -> int:
         return hash(id(self._context))
@@ -113,6 +120,13 @@ class ExecutionContext(Reference):
         self._context.submit(switch)
         return ITEMS["RTC_OK"]
 
+    def tick(self) -> Any:
+        """Ask for a cycle of one that others drive; it does so when it is idle."""
+        if self._context.is_periodic:
+            return ITEMS["PRECONDITION_NOT_MET"]
+        self._context.request_tick(_ignore)
+        return ITEMS["RTC_OK"]
+
     def get_kind(self) -> Any:
         """Return what drives it."""
         return ITEMS[self._context.kind.value]
@@ -125,9 +139,6 @@ class ExecutionContext(Reference):
         others = [each for each in references if each is not owner]
         properties = name_values(dict(context.properties))
         return ExecutionContextProfile(self.get_kind(), context.rate, owner, others, properties)
-
-
-ExecutionContextService = ExecutionContext
 
 
 def _name(reference: Any) -> str:

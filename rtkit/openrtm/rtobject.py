@@ -8,6 +8,7 @@ from typing import Any, ClassVar, TypeVar
 from rtkit.errors import NotFound, Refused
 from rtkit.openrtm.absent import refuse
 from rtkit.openrtm.adapter import HeldComponent, being_made
+from rtkit.openrtm.client_modules import client_module
 from rtkit.openrtm.component_listeners import ListenedComponent
 from rtkit.openrtm.enumerations import ITEMS, OK
 from rtkit.openrtm.logger import Logger
@@ -15,7 +16,7 @@ from rtkit.openrtm.parameters import ConfigAdmin
 from rtkit.openrtm.ports import InPort, OutPort, PortBase
 from rtkit.openrtm.properties import Properties
 from rtkit.openrtm.records import ComponentProfile, name_values
-from rtkit.openrtm.references import ExecutionContext, RTObject
+from rtkit.openrtm.references import OwnExecutionContext, RTObject
 from rtkit.openrtm.string_util import Convert
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -57,6 +58,7 @@ class RTObject_impl(ListenedComponent, RTObject):
         self.rtkit_component = component
         self._manager = component.manager
         self._objref = self
+        self._is_ending = False
         self._rtcout = Logger(component.instance)
         self._properties = _properties_of(component)
         self._configsets = ConfigAdmin(component.variables)
@@ -256,30 +258,30 @@ class RTObject_impl(ListenedComponent, RTObject):
 
     # execution contexts
 
-    def get_owned_contexts(self) -> list[ExecutionContext]:
+    def get_owned_contexts(self) -> list[OwnExecutionContext]:
         """Return the contexts that it owns."""
-        return [ExecutionContext(each) for each in self.rtkit_component.contexts.values()]
+        return [OwnExecutionContext(each) for each in self.rtkit_component.contexts.values()]
 
-    def get_participating_contexts(self) -> list[ExecutionContext]:
+    def get_participating_contexts(self) -> list[OwnExecutionContext]:
         """Return the contexts of others that it takes part in."""
         component = self.rtkit_component
         own = component.contexts.values()
-        return [ExecutionContext(each) for each in component.participations if each not in own]
+        return [OwnExecutionContext(each) for each in component.participations if each not in own]
 
-    def get_context(self, ec_id: int) -> ExecutionContext | None:
+    def get_context(self, ec_id: int) -> OwnExecutionContext | None:
         """Return the context of a number; None where it takes part in none."""
         try:
-            return ExecutionContext(self.rtkit_component.context_of(ec_id))
+            return OwnExecutionContext(self.rtkit_component.context_of(ec_id))
         except NotFound:
             return None
 
     getExecutionContext = get_context
 
-    def get_context_handle(self, cxt: ExecutionContext) -> int:
+    def get_context_handle(self, cxt: OwnExecutionContext) -> int:
         """Return the number of a context, -1 of one that it takes no part in."""
         component = self.rtkit_component
         for each in component.participations:
-            if ExecutionContext(each) == cxt:
+            if OwnExecutionContext(each) == cxt:
                 return component.context_number(each.handle_for(component))
         return -1
 
@@ -316,6 +318,15 @@ class RTObject_impl(ListenedComponent, RTObject):
         """Return whether it is initialised and not yet finalised."""
         return self.rtkit_component.is_alive
 
+    def exit(self) -> Any:
+        """End it, when the callback that is under way has come back; it is called for no other."""
+        if not self._is_ending:
+            self._is_ending = True
+            for each in self.rtkit_component.participations:
+                OwnExecutionContext(each).deactivate_component(self)
+            client_module("far_references").end_component(self.getInstanceName())
+        return OK
+
     def _default_POA(self) -> Any:
         return self._manager.getPOA()
 
@@ -331,7 +342,7 @@ class DataFlowComponentBase(RTObject_impl):
 
 _ABSENT = """
 addSdoServiceProvider addSdoServiceConsumer removeSdoServiceProvider removeSdoServiceConsumer
-attach_context detach_context bindContext exit finalizePorts finalizeContexts createContexts
+attach_context detach_context bindContext finalizePorts finalizeContexts createContexts
 addPortActionListener
 addExecutionContextActionListener addPortConnectListener addPortConnectRetListener
 addPreFsmActionListener addPostFsmActionListener addFsmProfileListener addFsmStructureListener

@@ -55,6 +55,12 @@ class CorbaConsumer:
         self._object = None
 
 
+class PatientServicePort(ServicePort):
+    """A port whose calls may take long: without rtc.conf's leave CORBA waits for ever."""
+
+    usual_timeout_s = 600.0
+
+
 class CorbaPort(PortBase):
     """A port whose interfaces are provided or needed."""
 
@@ -62,7 +68,7 @@ class CorbaPort(PortBase):
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
-        self.port = ServicePort(name)
+        self.port = PatientServicePort(name)
 
     def registerProvider(
         self, instance_name: str, type_name: str, provider: Any, *_: Any, **__: Any

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 from rtkit.idl.model import InterfaceDeclaration, StructDeclaration
 from rtkit.openrtm.exceptions import UserException
+from rtkit.openrtm.object_broker import ObjectAdapter
 
 
 class Declared:
@@ -51,8 +52,6 @@ class Servant(Declared):
         return self
 
     def _default_POA(self) -> Any:
-        from rtkit.openrtm.manager import ObjectAdapter
-
         return ObjectAdapter()
 
 

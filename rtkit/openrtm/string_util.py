@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, MutableSequence, Sequence
+from functools import wraps
 from typing import Any
 
 Convert = Callable[[Any, str], tuple[bool, Any]]
@@ -29,31 +30,50 @@ def isEscaped(text: str, pos: int) -> bool:
     return (len(before) - len(before.rstrip("\\"))) % 2 == 1
 
 
+def _also_in_place(change: Callable[..., str]) -> Callable[..., str]:
+    """Have a function take a list, too, whose first text it changes: so those of 1.x do."""
+
+    @wraps(change)
+    def changed(text: Any, *arguments: Any) -> str:
+        if not isinstance(text, MutableSequence):
+            return change(text, *arguments)
+        text[:1] = [change(each, *arguments) for each in text[:1]]
+        return text[0] if text else ""
+
+    return changed
+
+
+@_also_in_place
 def eraseBlank(text: str) -> str:
     """Return a text without blanks and tabs."""
     return text.replace(" ", "").replace("\t", "")
 
 
+@_also_in_place
 def eraseHeadBlank(text: str) -> str:
     """Return a text without blanks and tabs before it."""
     return text.lstrip("\t ")
 
 
+@_also_in_place
 def eraseTailBlank(text: str) -> str:
     """Return a text without blanks and tabs behind it."""
     return text.rstrip("\t ")
 
 
+@_also_in_place
 def eraseBothEndsBlank(text: str) -> str:
     """Return a text without blanks and tabs around it."""
     return text.strip("\t ")
 
 
+@_also_in_place
 def normalize(text: str) -> str:
     """Return a text in small letters, without space around it."""
     return text.strip().lower()
 
 
+@_also_in_place
 def replaceString(text: str, old: str, new: str) -> str:
     """Return a text with one part replaced by another."""
     return text.replace(old, new)

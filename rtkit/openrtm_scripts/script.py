@@ -10,7 +10,8 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from importlib.util import spec_from_loader
@@ -18,6 +19,7 @@ from types import CodeType, ModuleType
 from typing import Any
 
 from rtkit.by_hand import RunningComponent, begin, wait_for
+from rtkit.component.base import Component
 from rtkit.container.process_settings import layered
 from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.link import places
@@ -26,6 +28,8 @@ from rtkit.manager import launch
 from rtkit.openrtm.adapter import HeldComponent
 from rtkit.openrtm.folder import ComponentFolder, folder_of
 from rtkit.openrtm.manager import Manager, ModuleManager
+from rtkit.openrtm_scripts.far_references import FarComponent
+from rtkit.openrtm_scripts.script_types import ScriptTypes
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.settings import configuration
 from rtkit.settings.configuration import CommandLineSettings
@@ -47,29 +51,23 @@ class ScriptManager(ModuleManager):
 
     def __init__(self, arguments: Sequence[str]) -> None:
         super().__init__(self)
-        self._types: dict[str, type[HeldComponent]] = {}
         self._running: list[RunningComponent] = []
-        self._begin: Callable[[ScriptManager], object] | None = None
         options = _options(arguments)
         self._wanted = CommandLineSettings(options.f, tuple(options.o))
         self._settings = configuration.read(self._wanted).settings
         for key, value in self._settings.table().items():
             self._config.setProperty(key, value)
+        self._types = ScriptTypes(self._settings)
 
     def register_factory(self, component: type[HeldComponent]) -> None:
-        """Take a component type, for `createComponent`, which names it by either of its names."""
-        self._types[component.type_profile().type_name] = component
-        self._types.setdefault(component.described.get("implementation_id", ""), component)
-
-    def setModuleInitProc(self, proc: Callable[[ScriptManager], object]) -> None:
-        """Have a function called when the manager is activated."""
-        self._begin = proc
+        """Take a component type, for `createComponent`."""
+        self._types.add(component)
 
     def activateManager(self) -> bool:
         """Join the manager of this host, and create the components of the script."""
         self._join()
-        if self._begin is not None:
-            self._begin(self)
+        self._types.preload()
+        super().activateManager()
         for text in self._settings.items("manager.components.precreate"):
             self.createComponent(text)
         with _tree() as tree:
@@ -82,16 +80,16 @@ class ScriptManager(ModuleManager):
     def createComponent(self, comp_args: str) -> Any:
         """Create a component in this process; return the author's object, None without its type."""
         create = parse_create(comp_args)
-        kind = self._types.get(create.implementation_id)
-        if kind is None:
-            known = ", ".join(self._types) or "none"
-            _log().error("no component type %s (%s)", create.implementation_id, known)
+        try:
+            kind = self._types.find(create.implementation_id)
+        except RtkitError as error:
+            _log().error("%s", error)
             return None
         self._join()
-        options = self._completed(create, kind).options
-        running = begin(kind, create.instance_name, options, _START_S)
+        complete = partial(self._completed, kind)
+        running = begin(kind, create.instance_name, create.options, complete, _START_S)
         self._running.append(running)
-        return running.component.servant  # type: ignore[attr-defined]
+        return _object_of(running)
 
     def deleteComponent(self, component: Any) -> None:
         """End a component, given by its object or name."""
@@ -102,12 +100,14 @@ class ScriptManager(ModuleManager):
 
     def getComponents(self) -> list[Any]:
         """Return the objects of all components that live."""
-        return [each.component.servant for each in self._running if each.is_running]  # type: ignore[attr-defined]
+        return [_object_of(each) for each in self._running if each.is_running]
 
     def getComponent(self, instance_name: str) -> Any:
         """Return the object of a component; None if there is none."""
-        found = [each for each in self.getComponents() if each.getInstanceName() == instance_name]
-        return found[0] if found else None
+        for each in self._running:
+            if each.is_running and each.component.instance == instance_name:
+                return _object_of(each)
+        return None
 
     def runManager(self, no_block: bool | None = None) -> None:
         """Return when all components were ended, or at Ctrl-C; at once if not to block."""
@@ -124,20 +124,30 @@ class ScriptManager(ModuleManager):
     def join(self) -> None:
         """Do nothing: `runManager` waits."""
 
-    def _completed(self, create: CreateString, kind: type[HeldComponent]) -> CreateString:
+    def _completed(
+        self, kind: type[Component], instance: str, options: Mapping[str, str]
+    ) -> Mapping[str, str]:
+        """Return options with those that configuration files have for an instance, or its type."""
         files = {
             key.removesuffix(".config_file"): value
             for key, value in self._settings.below("").items()
             if key.endswith(".config_file")
         }
+        type_ = kind.type_profile()
+        create = CreateString(type_.type_name, options={**options, "instance_name": instance})
         settings = {"inherited": self._settings.below(*INHERITED), "config_files": files}
-        return layered(create, kind.type_profile(), settings)
+        return layered(create, type_, settings).options
 
     def _join(self) -> None:
         """Start the manager of this host with the same settings, if it does not run."""
         empty = tuple(f"manager.{each}:" for each in _NOT_TWICE)
         wanted = self._wanted._replace(overrides=(*self._wanted.overrides, *empty))
         launch.ensure(places.usual_manager(), wanted, _START_S)
+
+
+def _object_of(running: RunningComponent) -> Any:
+    """Return the author's object of a component; a reference to one that has none."""
+    return getattr(running.component, "servant", None) or FarComponent(running.path)
 
 
 def _options(arguments: Sequence[str]) -> argparse.Namespace:

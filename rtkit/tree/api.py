@@ -200,7 +200,13 @@ class ByPath:
             raise Partial(f"{failed[0]}: {error}", [(failed[0], error)]) from None
 
     def connect(
-        self: _Calls, one: str, other: str, connector_id: str = "", **properties: Value
+        self: _Calls,
+        one: str,
+        other: str,
+        connector_id: str = "",
+        *,
+        connector_name: str = "",
+        **properties: Value,
     ) -> str:
         """Connect two ports and return the connector's id.
 
@@ -223,7 +229,9 @@ class ByPath:
 
         _, (first, second) = find_ends_at(self.led_to, [_port(one), _port(other)])
         given = {key.replace("__", "."): value_text(each, key) for key, each in properties.items()}
-        connector = make_connector(first, second, connector_id or str(uuid4()), "", given)
+        connector = make_connector(
+            first, second, connector_id or str(uuid4()), connector_name, given
+        )
         out, into = in_order(first, second)
         expecting = []
         if host_of(peer_of(connector)):
