@@ -21,7 +21,7 @@ from rtkit.component.describe import describe
 from rtkit.component.fsm import EventPort, FsmComponent
 from rtkit.component.kinds import kind_of
 from rtkit.component.owned_contexts import kind_named
-from rtkit.component.parameter import Parameter, declared_parameters
+from rtkit.component.parameter import Parameter
 from rtkit.errors import Malformed
 from rtkit.profile import rtc_model as rtc
 from rtkit.profile.common import ExtensionProperty
@@ -51,7 +51,7 @@ def profile_of(component: Component, date: str, properties: Mapping[str, str]) -
         properties: Extension properties of the profile.
     """
     ports = describe(component).ports
-    settings = tuple(map(_configuration, declared_parameters(type(component)).values()))
+    settings = tuple(map(_configuration, component.parameters_declared.values()))
     return rtc.RtcProfile(
         id=component.type.id,
         version=rtc.RTC_VERSION,

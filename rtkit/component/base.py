@@ -38,7 +38,8 @@ class Manager(Protocol):
 
 _FOR_CONTAINERS = frozenset([
     "context_rate", "finalize", "has_changes", "initialize", "keep_failure", "leave",
-    "own_attributes", "participation", "read_count", "stir", "take_part", "takes_settings_from",
+    "own_attributes", "parameters_declared", "participation", "read_count", "stir", "take_part",
+    "takes_settings_from",
 ])  # fmt: skip
 
 
@@ -60,6 +61,7 @@ class Component(Callbacks):
         composite_type: Name of this kind of composite in profiles; empty where it is none.
         has_machine: Whether it is a `rtkit.component.fsm.FsmComponent`.
         own_attributes: Names of the attributes that the base class keeps on each instance.
+        is_made_late: Whether it has ports and parameters from on_initialize on, not before.
         is_stand_in: Whether it has the outside of another component and no code of its own.
         configuration_class: Class of its configuration.
         instance: Its name.
@@ -83,6 +85,7 @@ class Component(Callbacks):
     rate: ClassVar[float] = 1000.0
     composite_type: ClassVar[str] = ""
     has_machine: ClassVar[bool] = False
+    is_made_late: ClassVar[bool] = False
     is_stand_in: ClassVar[bool] = False
     configuration_class: ClassVar[type[Configuration]] = Configuration
     own_attributes: ClassVar[tuple[str, ...]] = (
@@ -138,6 +141,11 @@ class Component(Callbacks):
     def __dir__(self) -> list[str]:
         """Return the names that authors use; those that containers call are left out."""
         return [name for name in super().__dir__() if name not in _FOR_CONTAINERS]
+
+    @property
+    def parameters_declared(self) -> Mapping[str, Parameter[Any]]:
+        """Its parameters, by attribute or name."""
+        return self._parameters
 
     @property
     def logger(self) -> Logger:

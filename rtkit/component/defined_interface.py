@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from rtkit.component.defined import DefinedTypes
-from rtkit.component.interface import Interface, raises
+from rtkit.component.interface import Interface, raises, returns
 from rtkit.errors import NotFound, Refused
 from rtkit.idl.model import Definitions, Direction, Operation, StructDeclaration
 from rtkit.idl.read import read_idl
@@ -82,7 +82,7 @@ def method_of(operation: Operation, definitions: Definitions, maker: DefinedType
     _shape(method, {each.name: maker.hint(each.type) for each in given}, result)
     method.__name__ = operation.name
     declared = [_exception(definitions.by_path[path], maker) for path in operation.raises]
-    return raises(*declared)(method)
+    return raises(*declared)(returns(*_returned(operation))(method))
 
 
 def _exception(declared: Any, maker: DefinedTypes) -> type[Exception]:

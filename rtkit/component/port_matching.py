@@ -75,11 +75,15 @@ def _words(key: str, text: str) -> set[str]:
 
 
 def _refused_interfaces(ports: Sequence[PortProfile]) -> str:
-    listed = [port.interfaces for port in ports if port.interfaces]
-    if not listed:
-        return ""
+    listed = [port for port in ports if port.interfaces]
     for index, one in enumerate(listed):
         for other in listed[index + 1 :]:
-            if not interfaces_fit(one, other):
-                return NO_POLARITY if shared_interfaces(one, other) else NO_INTERFACE
+            if not interfaces_fit(one.interfaces, other.interfaces):
+                if shared_interfaces(one.interfaces, other.interfaces):
+                    return NO_POLARITY
+                return f"{NO_INTERFACE} ({_interfaces(one)}; {_interfaces(other)})"
     return ""
+
+
+def _interfaces(port: PortProfile) -> str:
+    return f"{port.name} has {', '.join(each.type_name for each in port.interfaces)}"

@@ -14,6 +14,7 @@ from weakref import WeakSet
 from rtkit.component.base import ACTIVE_SET, Component
 from rtkit.component.config import DEFAULT, Configuration
 from rtkit.component.context import ExecutionContext
+from rtkit.component.parameter import Parameter
 from rtkit.errors import NotFound
 from rtkit.openrtm.enumerations import OK
 from rtkit.openrtm.identity import type_of
@@ -50,6 +51,7 @@ class HeldComponent(Component):
         servant: The author's object.
     """
 
+    is_made_late: ClassVar[bool] = True
     configuration_class: ClassVar[type[Configuration]] = BoundConfiguration
     servant_class: ClassVar[Any]
     described: ClassVar[Mapping[str, str]] = {}
@@ -79,6 +81,11 @@ class HeldComponent(Component):
         """Its configuration, which is bound to variables."""
         assert isinstance(self.configuration, BoundConfiguration)
         return self.configuration
+
+    @property
+    def parameters_declared(self) -> Mapping[str, Parameter[Any]]:
+        """Its parameters as its module describes and binds them."""
+        return self.variables.declared()
 
     def add_port(self, port: Any) -> None:
         """Add a port, also while it is alive.

@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 from copy import deepcopy
 from typing import Any, NamedTuple
 
-from rtkit.component.config import Configuration
+from rtkit.component.config import DEFAULT, Configuration
 from rtkit.component.kinds import ParameterKind
+from rtkit.component.parameter import Parameter
 from rtkit.errors import Malformed, RtkitError
 from rtkit.openrtm.component_listeners import ListenedConfiguration
 from rtkit.openrtm.properties import Properties
@@ -41,7 +42,18 @@ class BoundConfiguration(Configuration):
     def __init__(self, report: Callable[[str], None]) -> None:
         super().__init__(report)
         self._bindings: dict[str, Binding] = {}
+        self._described: set[tuple[str, str, str]] = set()
         self.listeners: list[Callable[[str, str], object]] = []
+
+    def declare(self, set_id: str, values: Mapping[str, str]) -> None:
+        """Give initial text to a set."""
+        super().declare(set_id, values)
+        self._described |= {(set_id, name, text) for name, text in values.items()}
+
+    def misfits(self, set_id: str, values: Mapping[str, str]) -> str:
+        """Return the texts that the parameters cannot have; OpenRTM takes all that files give."""
+        others = {n: text for n, text in values.items() if (set_id, n, text) not in self._described}
+        return super().misfits(set_id, others)
 
     def bind_variable(self, name: str, variable: list[Any], default: str, convert: Convert) -> bool:
         """Bind a parameter; its variable has the value of the active set from now on.
@@ -68,6 +80,31 @@ class BoundConfiguration(Configuration):
     def is_bound(self, name: str) -> bool:
         """Return whether a variable is bound to a parameter."""
         return name in self._bindings
+
+    def declared(self) -> dict[str, Parameter[Any]]:
+        """Return its parameters with their hints, and what further sets have for them."""
+        sets = self.sets
+        hints = {name: sets.get(f"__{name}__", {}) for name in ("constraints", "widget")}
+        others = [each for each in sets if each != DEFAULT and not each.startswith("__")]
+        found: dict[str, Parameter[Any]] = {}
+        for name, text in sets[DEFAULT].items():
+            made = found[name] = Parameter(
+                self._plain(name, text),
+                constraint=hints["constraints"].get(name, ""),
+                widget=hints["widget"].get(name, ""),
+                name=name,
+            )
+            made.sets = {each: sets[each][name] for each in others if name in sets[each]}
+        return found
+
+    def _plain(self, name: str, text: str) -> Any:
+        """Return what a text of a parameter stands for; the text where that has no kind here."""
+        binding = self._bindings.get(name)
+        if binding is None or binding.convert is not stringTo:
+            return text
+        value = binding.convert(deepcopy(binding.variable[0]), text)[1]
+        is_numbers = isinstance(value, list) and {*map(type, value)} <= {int, float}
+        return tuple(value) if is_numbers else text if isinstance(value, list) else value
 
     def apply(self, set_id: str, texts: Mapping[str, str]) -> None:
         """Assign the texts of a set to the variables."""

@@ -111,8 +111,8 @@ class New(rt.Component):
     version = "1.2"
 
 {ports}
-    provided = rt.ServicePort.provided(Store, "store")
-    needed = rt.ServicePort.required(Store, "store")
+    provided = rt.ServicePort.provided(Store, "store", type_name="Cell::Store")
+    needed = rt.ServicePort.required(Store, "store", type_name="Cell::Store")
     gain = rt.Parameter(2)
 
     def on_initialize(self):

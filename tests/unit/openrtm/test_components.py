@@ -11,7 +11,7 @@ from openrtm_files import made, write_component
 from rtkit.component.base import Component
 from rtkit.component.typenames import type_by_name
 from rtkit.component.types import Time
-from rtkit.errors import NotFound
+from rtkit.errors import Malformed, NotFound
 from rtkit.modules.loader import Loader
 from rtkit.rtc.enums import LifeCycleState, PortType
 from rtkit.rtc.profiles import ConnectorProfile
@@ -251,3 +251,14 @@ def onExecute(self, ec_id):
     assert seen[-1] == ["late"]
     assert one.servant.removePort(one.servant.late) is True
     assert [*one.ports] == []
+
+
+def test_sets_of_files_may_break_constraints_and_others_may_not(tmp_path: Path) -> None:
+    hints = '"conf.__constraints__.gain", "0<=x<=9", "conf.fast.gain", "12345",'
+    component: Any = made(write_component(tmp_path, "Echo", ECHO, hints))
+    component.configuration.activate("fast")
+    component.configuration.update()
+    assert component.servant.gain == [12345]
+    component.configuration.set("fast", {"gain": "12345"})
+    with pytest.raises(Malformed, match="gain cannot be '54321'"):
+        component.configuration.set("fast", {"gain": "54321"})

@@ -41,6 +41,7 @@ def main(
     MODULE is a file, or a name in the places where managers look for modules; FACTORY is its init
     function, by default NAMEInit, or the class of a component. The module is imported and an
     instance is made of it: its code runs. Everything that rtbuild puts into code is found again.
+    Of a component written for OpenRTM-aist onInitialize is called, too.
     """
     if len(modules) != 1:
         raise WrongArguments("One MODULE:FACTORY has to be given.")
@@ -55,6 +56,7 @@ def main(
     from rtkit.profile.write import write_profile
 
     offer = component_class(modules[0], wanted)
+    initialize = initialize or offer.cls.is_made_late
     component = instance_of(offer.cls, modules[0], is_initialised=initialize)
     if not initialize and offer.cls.on_initialize is not Component.on_initialize:
         app.verbose("ports that on_initialize makes are not told: --initialize calls it")
