@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -55,9 +56,13 @@ class OpenRtmModule:
 
     @property
     def way(self) -> str:
-        """Advice where no init function was found: how it is run."""
+        """Advice where no init function was found: what registers, or how it is run."""
+        file = str(self._module.__file__)
+        if any(map(_registers, (*self._functions(), *self._functions(0)))):
+            stem = os.path.basename(file).partition(".")[0]
+            return f": say {file}:{stem}Init, which finds what registers"
         register = "registers when it is run" if self._has_factories else "registers no component"
-        return f": it {register} (rtkit openrtm run {self._module.__file__})"
+        return f": it {register} (rtkit openrtm run {file})"
 
     def _functions(self, arguments: int = 1) -> list[FunctionType]:
         return [

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from openrtm_samples import CONNECTOR, TICKER, write_pair
+from waiting import until
 
 PLACE = "/localhost/manager.mgr"
 Start = Callable[..., "subprocess.Popen[str]"]
@@ -122,3 +123,12 @@ def test_a_script_preloads_modules_and_makes_a_composite_of_them(
     assert "Active" in shell.ok("rtls -l /localhost/Out0.rtc")
     assert shell.run("rtinject -c 21 /localhost/PeriodicECSharedComposite0.rtc:Out0.in").status == 0
     assert process.poll() is None
+
+
+def test_a_component_of_a_manager_ends_itself(manager: Any, tmp_path: Path) -> None:
+    file, _ = write_pair(tmp_path)
+    for place in ("", "&manager_name=slave"):
+        manager.ok(f"rtmgr -l {file}:InInit -c 'In?instance_name=In0{place}' {PLACE}")
+        manager.ok("rtact /localhost/In0.rtc")
+        manager.ok("rtattach --send -1 -t 20 /localhost/In0.rtc")
+        until(lambda: "In0" not in manager.ok("rtls -l /localhost"), "it is gone")

@@ -101,3 +101,9 @@ def test_one_that_is_called_by_a_wrong_name_is_asked_for_by_the_right_one(tmp_pa
     file = written(tmp_path, "def LampInit(manager):\n    {registers}\n")
     with pytest.raises(NotFound, match=r"LimpInit \(did you mean LampInit\?\)"):
         Loader([]).load(str(file), "LimpInit")
+
+
+def test_one_that_is_called_by_quite_another_name_tells_what_registers(tmp_path: Path) -> None:
+    file = written(tmp_path, "def begin(manager):\n    {registers}\n")
+    with pytest.raises(NotFound, match=r": say \S+/Lamp.py:LampInit, which finds"):
+        Loader([]).load(str(file), "SwitchInit")
