@@ -132,3 +132,42 @@ def test_a_component_of_a_manager_ends_itself(manager: Any, tmp_path: Path) -> N
         manager.ok("rtact /localhost/In0.rtc")
         manager.ok("rtattach --send -1 -t 20 /localhost/In0.rtc")
         until(lambda: "In0" not in manager.ok("rtls -l /localhost"), "it is gone")
+
+
+LOOKER = """
+import sys
+
+from omniORB import CORBA, any
+
+import CosNaming
+import OpenRTM_aist
+import RTC
+
+orb = CORBA.ORB_init(sys.argv, CORBA.ORB_ID)
+names = orb.resolve_initial_references("NameService")._narrow(CosNaming.NamingContext)
+for each in names.list(100)[0]:
+    print(each.binding_name[0].id, each.binding_name[0].kind, each.binding_type)
+found = names.resolve([CosNaming.NameComponent("ConsoleOut0", "rtc")])._narrow(RTC.RTObject)
+print(found.get_component_profile().type_name, found.get_ports()[0].get_port_profile().name)
+try:
+    names.resolve([CosNaming.NameComponent("Nobody0", "rtc")])
+except CosNaming.NamingContext.NotFound as error:
+    print("not found", error.rest_of_name[0].id)
+context = found.get_owned_contexts()[0]
+print(context.set_rate(50), context.get_rate())
+print(found.exit(), found._non_existent())
+"""
+
+
+def test_a_script_looks_at_native_components(manager: Any, start: Start, tmp_path: Path) -> None:
+    manager.ok(f"rtmgr -c ConsoleOut {PLACE}")
+    out, err = start(script(tmp_path, "Looker", LOOKER)).communicate(timeout=30)
+    assert err == ""
+    assert out.splitlines() == [
+        "ConsoleOut0 rtc nobject",
+        "manager mgr ncontext",
+        "ConsoleOut ConsoleOut0.in",
+        "not found Nobody0",
+        "RTC_OK 50.0",
+        "RTC_OK True",
+    ]
