@@ -23,6 +23,7 @@ from rtkit.profile.words import property_value
 from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortRef, TypeProfile
+from rtkit.tree.client import Tree
 
 COMMANDS = {
     "rtcheck": rtcheck,
@@ -99,6 +100,22 @@ START = executing(
     f"{SINK} in execution context 0 (Required)",
 )
 STOP = executing("Deactivate", f"{SINK} in execution context 0", f"{SOURCE} in execution context 0")
+
+
+def test_what_a_system_is_brought_up_by(run, file, world, monkeypatch):
+    asked, send = [], Tree._send
+
+    def noted(self, key, *more):
+        asked.append(key.rpartition("/")[2])
+        return send(self, key, *more)
+
+    monkeypatch.setattr(Tree, "_send", noted)
+    making, wiring = ["lease", "snapshot", "lacking", "batch"], ["snapshot", "batch", "batch"]
+    assert run("rtresurrect", file()) == (0, "", "")
+    assert asked == [*making, *wiring, "lease"]  # connectors first, then values
+    asked.clear()
+    assert run("rtresurrect", file()) == (0, "", "")
+    assert asked == ["lease", "snapshot", "lease"]
 
 
 def test_from_nothing_and_back(run, file, world, tmp_path):
