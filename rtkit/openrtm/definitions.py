@@ -22,6 +22,8 @@ _STUB, _SERVANTS, _GLOBAL = "_idl", "__POA", "_GlobalIDL"
 _GENERATED = "_idl.py"
 _MODULE = re.compile(rb"^[ \t}]*module\s+(\w+)", re.MULTILINE)
 _OWN_FOLDER = "idl"
+_PLACES = "RTM_IDL_PATH"
+"""Environment variable with further folders; installers of OpenRTM set it to that of its own."""
 Read = Callable[[str], bytes]
 
 
@@ -44,6 +46,16 @@ class FolderDefinitions:
         if scope != _GLOBAL and scope not in self._scopes:
             return None
         return self._declared(name, () if scope == _GLOBAL else (scope,))
+
+    def module_elsewhere(self, name: str) -> ModuleType | None:
+        """Return a module of files in the folders that ``RTM_IDL_PATH`` names, the first wins."""
+        found = (each.module(name) for each in self._elsewhere)
+        return next((each for each in found if each is not None), None)
+
+    @cached_property
+    def _elsewhere(self) -> list[FolderDefinitions]:
+        places = os.environ.get(_PLACES, "").split(os.pathsep)
+        return [FolderDefinitions(each, self._read) for each in places if os.path.isdir(each)]
 
     def _missing(self, name: str) -> Any:
         raise KeyError(name)

@@ -163,9 +163,15 @@ class ComponentFolder:
         if found is not None:
             self._modules[full] = found
         else:
-            found = self._sibling(full, parent)
+            found = self._sibling(full, parent) or self._elsewhere(full)
         if found is not None and parent is not None and last not in vars(parent):
             setattr(parent, last, found)
+        return found
+
+    def _elsewhere(self, full: str) -> ModuleType | None:
+        found = self._definitions.module_elsewhere(full)
+        if found is not None:
+            self._modules[full] = found
         return found
 
     def _sibling(self, full: str, parent: ModuleType | None) -> ModuleType | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -109,3 +110,26 @@ def test_a_definition_that_cannot_be_read_is_named_where_it_is_missed(tmp_path: 
     before = "import Bad_idl\nimport Bad\n"
     with pytest.raises(Refused, match=r"Bad.A is not there: .*Bad.idl:1: .*nothing"):
         made(write_component(tmp_path, "One", "kind = Bad.A", before=before))
+
+
+def test_idl_files_elsewhere_are_found_by_the_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    beside, elsewhere = tmp_path / "beside", tmp_path / "elsewhere"
+    beside.mkdir()
+    elsewhere.mkdir()
+    (elsewhere / "Robot.idl").write_text(IDL, encoding="utf-8")
+    before = "import Robot\nimport Robot_idl, Robot__POA\n"
+    body = """
+def onInitialize(self):
+    self.most, self.base = Robot.MOST, Robot__POA.Hand
+    return RTC.RTC_OK
+"""
+    with pytest.raises(Refused, match="No module named 'Robot'"):
+        made(write_component(beside, "One", body, before=before))
+    monkeypatch.setenv("RTM_IDL_PATH", f"{tmp_path / 'none'}{os.pathsep}{elsewhere}")
+    other = tmp_path / "other"
+    other.mkdir()
+    servant = made(write_component(other, "Two", body, before=before)).servant
+    assert servant.most == 7
+    assert servant.base.__name__ == "Hand"
