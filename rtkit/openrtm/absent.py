@@ -28,3 +28,8 @@ class _AbsentType(type):
 def absent(name: str) -> Any:
     """Return a class of that name, which may be named and derived from, but not called."""
     return _AbsentType(name.rpartition(".")[2], (), {"__doc__": name, "is_absent": True})
+
+
+def is_absent(found: Any) -> bool:
+    """Return whether something stands for a name that is absent."""
+    return isinstance(found, _AbsentType) and "is_absent" in vars(found)

@@ -331,7 +331,7 @@ class RTObject_impl(ListenedComponent, RTObject):
         return self._manager.getPOA()
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("_") or name not in _ABSENT.split():
+        if name.startswith("_") or name not in ABSENT_METHODS.split():
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         raise refuse(f"RTObject.{name}")
 
@@ -340,7 +340,7 @@ class DataFlowComponentBase(RTObject_impl):
     """The base class of components with data ports."""
 
 
-_ABSENT = """
+ABSENT_METHODS = """
 addSdoServiceProvider addSdoServiceConsumer removeSdoServiceProvider removeSdoServiceConsumer
 attach_context detach_context bindContext finalizePorts finalizeContexts createContexts
 addPortActionListener

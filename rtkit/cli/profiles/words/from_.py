@@ -41,7 +41,8 @@ def main(
     MODULE is a file, or a name in the places where managers look for modules; FACTORY is its init
     function, by default NAMEInit, or the class of a component. The module is imported and an
     instance is made of it: its code runs. Everything that rtbuild puts into code is found again.
-    Of a component written for OpenRTM-aist onInitialize is called, too.
+    Of a component written for OpenRTM-aist onInitialize is called, too; what it uses of OpenRTM
+    and rtkit does not have is told before, with its line.
     """
     if len(modules) != 1:
         raise WrongArguments("One MODULE:FACTORY has to be given.")
@@ -57,12 +58,28 @@ def main(
 
     offer = component_class(modules[0], wanted)
     initialize = initialize or offer.cls.is_made_late
+    _warn_of_absences(app, offer.file)
     component = instance_of(offer.cls, modules[0], is_initialised=initialize)
     if not initialize and offer.cls.on_initialize is not Component.on_initialize:
         app.verbose("ports that on_initialize makes are not told: --initialize calls it")
     module = f"{os.path.basename(offer.file)}:{offer.init}"
     profile = profile_of(component, _now(), {MODULE: module} if offer.init else {})
     write_output(write_profile(profile, form), output)
+
+
+def _warn_of_absences(app: App, file: str) -> None:
+    """Warn of what an old component uses that is not there, before it runs into it."""
+    from rtkit.openrtm.source import MARK
+
+    with open(file, "rb") as stream:
+        source = stream.read()
+    if MARK in source:
+        from rtkit.openrtm.absences import absences_in  # native components have none
+
+        app.warn(
+            f"{file}:{line}: {name} of OpenRTM-aist is not supported by rtkit"
+            for line, name in absences_in(source, file)
+        )
 
 
 def _now() -> str:
