@@ -252,6 +252,17 @@ def test_old_code_is_told(tmp_path: Path) -> None:
     assert list(live.old_code(facts)) == []
 
 
+def test_what_old_components_miss_is_told(tmp_path: Path) -> None:
+    file = tmp_path / "A.py"
+    file.write_text("import OpenRTM_aist\nport = OpenRTM_aist.CSPManager()\n")
+    component = ComponentFacts("A", TypeProfile("T"), "s", code=f"00000000 {file}")
+    facts = replace(FACTS, components=(component,))
+    (found,) = live.absences(facts)
+    assert found.text.startswith(f"{file}:2 uses OpenRTM_aist.CSPManager of OpenRTM-aist")
+    file.write_text("no Python any more, OpenRTM_aist")
+    assert list(live.absences(facts)) == []
+
+
 def test_a_manager_of_another_version() -> None:
     ((severity, cure),) = bad(list(live.judge("m", listing(), Snapshot("box", "m", 1, "0.0.1"))))
     assert (severity, cure.startswith("rtmgr restart m")) == (ERROR, True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from rtkit.cli.managers.doctor import ERROR, NOTE, OK, WARNING, Diagnosis
 from rtkit.deployment.health import IN_DEBUGGER
-from rtkit.errors import RtkitError
+from rtkit.errors import Refused, RtkitError
 from rtkit.link import places
 from rtkit.link.processes import state_of
 from rtkit.rtc.manager_address import DEFAULT_PORT
@@ -103,6 +103,7 @@ def _look(name: str, timeout_s: float) -> list[Diagnosis]:
         *judge(name, listing, facts),
         *contexts(facts),
         *old_code(facts),
+        *absences(facts),
         *endpoint(name, address, facts.properties, os.environ.get("RTKIT_PORT", "")),
         *_clock(name, started),
     ]
@@ -168,6 +169,26 @@ def old_code(facts: Snapshot) -> Iterator[Diagnosis]:
             cure = "start it again" if component.process in by_hand else cure
             text = f"{path} runs code that has changed since it was loaded ({file})"
             yield Diagnosis("components", WARNING, text, cure, path)
+
+
+def absences(facts: Snapshot) -> Iterator[Diagnosis]:
+    """Name what components written for OpenRTM-aist use that rtkit does not have."""
+    from contextlib import suppress
+
+    from rtkit.api.looking import present_code
+    from rtkit.openrtm.source import MARK
+
+    for file in sorted(present_code(facts.components)):
+        with suppress(OSError, SyntaxError, Refused):  # it is gone, or is no Python any more
+            with open(file, "rb") as stream:
+                source = stream.read()
+            if MARK in source:
+                from rtkit.openrtm.absences import absences_in  # native ones have none
+
+                for line, name in absences_in(source, file):
+                    text = f"{file}:{line} uses {name} of OpenRTM-aist, which rtkit does not have"
+                    cure = "what calls it fails; the others work"
+                    yield Diagnosis("modules", WARNING, text, cure, file)
 
 
 def _processes(name: str, listing: Listing, facts: Snapshot) -> Iterator[Diagnosis]:
