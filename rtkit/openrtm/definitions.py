@@ -18,11 +18,11 @@ from rtkit.component.standard import find as find_standard
 from rtkit.openrtm.generated import GENERATED, opened_modules
 from rtkit.openrtm.lazy_module import LazyModule
 
-_STUB, _SERVANTS, _GLOBAL = "_idl", "__POA", "_GlobalIDL"
+STUB, SERVANTS, _GLOBAL = "_idl", "__POA", "_GlobalIDL"
 _GENERATED = "_idl.py"
 _MODULE = re.compile(rb"^[ \t}]*module\s+(\w+)", re.MULTILINE)
 _OWN_FOLDER = "idl"
-_PLACES = "RTM_IDL_PATH"
+PLACES = "RTM_IDL_PATH"
 """Environment variable with further folders; installers of OpenRTM set it to that of its own."""
 Read = Callable[[str], bytes]
 
@@ -40,9 +40,9 @@ class FolderDefinitions:
             return self._standard(name)
         if not self._files or "." in name:
             return None
-        if name.endswith(_STUB) and self._declares(name.removesuffix(_STUB)):
+        if name.endswith(STUB) and self._declares(name.removesuffix(STUB)):
             return LazyModule(name, self._missing)
-        scope = name.removesuffix(_SERVANTS)
+        scope = name.removesuffix(SERVANTS)
         if scope != _GLOBAL and scope not in self._scopes:
             return None
         return self._declared(name, () if scope == _GLOBAL else (scope,))
@@ -52,16 +52,24 @@ class FolderDefinitions:
         found = (each.module(name) for each in self._elsewhere)
         return next((each for each in found if each is not None), None)
 
+    @property
+    def places(self) -> list[str]:
+        """Folders in which IDL files are looked for, as a message tells them."""
+        beside = [self._path, f"{self._path}{os.sep}*", self._own_folder]
+        return [
+            *beside,
+            *(each if os.path.isdir(each) else f"{each} (no folder)" for each in _named()),
+        ]
+
     @cached_property
     def _elsewhere(self) -> list[FolderDefinitions]:
-        places = os.environ.get(_PLACES, "").split(os.pathsep)
-        return [FolderDefinitions(each, self._read) for each in places if os.path.isdir(each)]
+        return [FolderDefinitions(each, self._read) for each in _named() if os.path.isdir(each)]
 
     def _missing(self, name: str) -> Any:
         raise KeyError(name)
 
     def _declared(self, name: str, path: tuple[str, ...]) -> ModuleType:
-        is_servants = name.endswith(_SERVANTS)
+        is_servants = name.endswith(SERVANTS)
 
         def find(each: str) -> Any:
             kind = self._declarations.servant if is_servants else self._declarations.value
@@ -76,7 +84,7 @@ class FolderDefinitions:
         declared = self._declared(name, ("RTC",))
 
         def find(each: str) -> Any:
-            if not name.endswith(_SERVANTS):
+            if not name.endswith(SERVANTS):
                 try:
                     return rtc_value(each)
                 except KeyError:
@@ -101,11 +109,14 @@ class FolderDefinitions:
         names = {os.path.basename(file).lower() for file in self._files}
         return f"{stem}.idl".lower() in names or f"{stem}{_GENERATED}".lower() in names
 
+    @property
+    def _own_folder(self) -> str:
+        return os.path.join(os.path.dirname(self._path), _OWN_FOLDER)
+
     @cached_property
     def _files(self) -> list[str]:
         """IDL files, then what omniidl generated of files that are not there."""
-        beside = os.path.join(os.path.dirname(self._path), _OWN_FOLDER)
-        folders = dict.fromkeys([self._path, *_inner(self._path), beside])
+        folders = dict.fromkeys([self._path, *_inner(self._path), self._own_folder])
         found = [file for folder in folders for file in _files_in(folder, ".idl")]
         stems = {os.path.basename(file)[:-4].lower() for file in found}
         generated = [
@@ -119,6 +130,11 @@ class FolderDefinitions:
     def _scopes(self) -> set[str]:
         """The modules that the files open, found without reading them as IDL."""
         return {name for file in self._files for name in _opened(file, self._read(file))}
+
+
+def _named() -> list[str]:
+    """Return the folders that the environment names."""
+    return [each for each in os.environ.get(PLACES, "").split(os.pathsep) if each]
 
 
 def _inner(folder: str) -> list[str]:

@@ -131,12 +131,27 @@ class ComponentFolder:
         with self._lock:
             top = self.find(full.partition(".")[0])
             if top is None:
-                return builtins.__import__(name, globals, locals, fromlist or (), level)
+                try:
+                    return builtins.__import__(name, globals, locals, fromlist or (), level)
+                except ModuleNotFoundError as error:
+                    self._explain(error, full.partition(".")[0], globals)
+                    raise
             leaf = self._walk(full)
             for each in fromlist or ():
                 if each != "*" and not hasattr(leaf, each):
                     self.find(f"{full}.{each}")
         return leaf if fromlist else top
+
+    def _explain(
+        self, error: ModuleNotFoundError, name: str, scope: Mapping[str, Any] | None
+    ) -> None:
+        """Have an error tell of IDL files, where the module would come of one."""
+        file = str((scope or {}).get("__file__", ""))
+        if error.name == name and os.path.isfile(file):
+            from rtkit.openrtm.missing_definitions import missing_definition  # most are found
+
+            why = missing_definition(name, self.read(file), self._definitions.places)
+            error.msg = why or error.msg
 
     def _walk(self, full: str) -> ModuleType:
         names = full.split(".")

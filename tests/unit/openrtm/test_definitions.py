@@ -125,7 +125,8 @@ def onInitialize(self):
     self.most, self.base = Robot.MOST, Robot__POA.Hand
     return RTC.RTC_OK
 """
-    with pytest.raises(Refused, match="No module named 'Robot'"):
+    where = f"{beside}, {beside}/\\*, {tmp_path}/idl; RTM_IDL_PATH=FOLDER names further folders"
+    with pytest.raises(Refused, match=f"IDL file that declares module Robot in {where}"):
         made(write_component(beside, "One", body, before=before))
     monkeypatch.setenv("RTM_IDL_PATH", f"{tmp_path / 'none'}{os.pathsep}{elsewhere}")
     other = tmp_path / "other"
@@ -133,3 +134,31 @@ def onInitialize(self):
     servant = made(write_component(other, "Two", body, before=before)).servant
     assert servant.most == 7
     assert servant.base.__name__ == "Hand"
+
+
+@pytest.mark.parametrize(
+    ("before", "why"),
+    [
+        ("import Gripper_idl\n", "named 'Gripper_idl': there is no Gripper.idl in"),
+        ("import Gripper__POA\n", "no IDL file that declares module Gripper in"),
+        (
+            "from Gripper import *\nimport Gripper_idl\n",
+            "no IDL file that declares module Gripper in",
+        ),
+        ("import Gripper\n'Gripper::Hand'\n", "no IDL file that declares module Gripper in"),
+        ("import Gripper\n", r"named 'Gripper' \("),
+    ],
+)
+def test_a_module_that_no_idl_file_declares_is_told_as_such(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, before: str, why: str
+) -> None:
+    monkeypatch.setenv("RTM_IDL_PATH", str(tmp_path / "none"))
+    with pytest.raises(Refused, match=f"ModuleNotFoundError: No module .*{why}") as told:
+        made(write_component(tmp_path, "One", "pass", before=before))
+    assert (f"{tmp_path}/none (no folder);" in str(told.value)) is ("IDL" in str(told.value))
+
+
+def test_a_module_that_may_be_missing_is_found_missing_by_its_component(tmp_path: Path) -> None:
+    before = "try:\n    import Gripper_idl\nexcept ImportError as error:\n    why = error.name\n"
+    component = made(write_component(tmp_path, "One", "missing = why", before=before))
+    assert component.servant.missing == "Gripper_idl"
