@@ -2,7 +2,8 @@
 
 A stand-in has the ports, configuration sets, contexts and identity that the pattern says. It
 may write values: those of the pattern's script one after another, or, with the option
-``standin.transmit=default``, the zero value of each out port's type, once each period.
+``standin.transmit=default``, the zero value of each out port's type, once each period. With that
+option it also answers calls of the interfaces it provides, where their operations are known.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ class StandIn(Component):
         super().__init__(instance, options)
         self.type = pattern.type
         for port in pattern.ports:
-            self._add(_port(port))
+            self._add(_port(port, answers=_talks(self.options)))
 
     def _wanted_contexts(self) -> tuple[ContextPattern, ...]:
         if any(key in self.options for key in _CONTEXT_OPTIONS):
@@ -78,7 +79,7 @@ class Transmitter(StandIn):
                 raise NotFound(f"{self.instance}: the script names no out port: {name}")
             if texts:
                 writers.append(_scripted(port, texts))
-        if self.options.get(TRANSMIT, "").strip().lower() == "default":
+        if _talks(self.options):
             writers += [
                 _idle(port)
                 for port in self.ports.values()
@@ -96,11 +97,20 @@ def stand_in(
         Malformed: A value of the script is not of its port's type; names port and field.
         NotFound: The script names a port that is no out port.
     """
-    talks = (options or {}).get(TRANSMIT, "").strip().lower()
+    kind = Transmitter if pattern.script or _talks(options or {}) else StandIn
+    return kind(pattern, instance, options)
+
+
+def _talks(options: Mapping[str, str]) -> bool:
+    """Return whether it is to write default values, and to answer with them.
+
+    Raises:
+        Malformed: That cannot be read.
+    """
+    talks = options.get(TRANSMIT, "").strip().lower()
     if talks not in ("", "none", "default"):
         raise Malformed(f"{TRANSMIT}={talks}: not default or none")
-    kind = Transmitter if pattern.script or talks == "default" else StandIn
-    return kind(pattern, instance, options)
+    return talks == "default"
 
 
 def is_stand_in(component: Component) -> bool:
@@ -108,9 +118,9 @@ def is_stand_in(component: Component) -> bool:
     return isinstance(component, StandIn)
 
 
-def _port(profile: PortProfile) -> Port:
+def _port(profile: PortProfile, *, answers: bool) -> Port:
     if profile.port_type is PortType.SERVICE:
-        service = ServicePort(profile.name, profile.interfaces)
+        service = _service_port(profile, answers=answers)
         service.properties = dict(profile.properties)
         return service
     kind: type[InPort[Any]] | type[OutPort[Any]] = (
@@ -119,6 +129,14 @@ def _port(profile: PortProfile) -> Port:
     port: Port = kind(type_by_name(profile.data_type) or bytes, profile.name)
     port.properties = dict(profile.properties)
     return port
+
+
+def _service_port(profile: PortProfile, *, answers: bool) -> ServicePort:
+    if not answers or not profile.definition:
+        return ServicePort(profile.name, profile.interfaces)
+    from rtkit.component.standin_services import answering  # it reads IDL
+
+    return answering(profile)
 
 
 def _scripted(port: OutPort[Any], texts: tuple[str, ...]) -> Callable[[Time], Any]:

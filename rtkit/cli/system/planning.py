@@ -22,7 +22,7 @@ WAY = together(
             default=MEASURED,
         ),
         "stand_in": STAND_IN,
-        "transmit": flag("--transmit", "Stand-ins write values while active."),
+        "transmit": flag("--transmit", "Stand-ins write values while active, and answer calls."),
         "replaces": flag(
             "--replace",
             "End and replace what cannot be changed in place: another type, another create string,"

@@ -25,7 +25,9 @@ def main(
     stand_in: bool = flag(
         "--stand-in", "Generate what is missing from the profile, without its modules."
     ),
-    transmit: bool = flag("--transmit", "Stand-ins write default values while active."),
+    transmit: bool = flag(
+        "--transmit", "Stand-ins write default values while active, and answer calls."
+    ),
     strict_path: bool = flag(
         "--strict-path",
         "Ends of connectors must tell the path of their component, where they tell one.",

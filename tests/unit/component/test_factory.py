@@ -12,7 +12,7 @@ from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
-from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile, TypeProfile
+from rtkit.rtc.profiles import DEFINITION, PortInterfaceProfile, PortProfile, TypeProfile
 
 
 class Counter(Component):
@@ -254,3 +254,33 @@ def test_description_of_a_component_in_error():
     assert told.cause.startswith("ValueError: x")
     assert told.contexts[0].state is LifeCycleState.ERROR
     assert told.active_set == "default"
+
+
+def test_a_stand_in_that_transmits_answers_calls_with_zeros():
+    definition = """module Own {
+  struct Pose { double x; string frame; };
+  interface Arm {
+    Pose pose();
+    long move(in double x, out Pose reached);
+    void halt();
+  };
+};
+"""
+    interfaces = (
+        PortInterfaceProfile("arm", "Own::Arm", Polarity.PROVIDED),
+        PortInterfaceProfile("hand", "Own::Hand", Polarity.PROVIDED),
+        PortInterfaceProfile("eye", "Own::Arm", Polarity.REQUIRED),
+    )
+    profile = PortProfile("service", PortType.SERVICE, {DEFINITION: definition}, interfaces)
+    pattern = ComponentPattern(TypeProfile("Arm"), ports=(profile,))
+    port = stand_in(pattern, "Arm0", {"standin.transmit": "default"}).ports["service"]
+    assert {each.instance_name for each in port.interfaces} == {"arm", "hand", "eye"}
+    (served,) = port.served
+    methods = served.interface.methods
+    pose = served.invoke(methods["pose"], ())
+    assert (pose.x, pose.frame) == (0.0, "")
+    assert served.invoke(methods["move"], (1.0,)) == (0, pose)
+    assert served.invoke(methods["halt"], ()) is None
+    for method, result in (("pose", pose), ("move", (0, pose)), ("halt", None)):
+        methods[method].encode_result(result)
+    assert stand_in(pattern, "Arm0").ports["service"].served == ()
