@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""Both ends of the round trip of `Ping` and `Echo`, as for OpenRTM-aist-Python."""
+"""Asking end of the round trip of `Ping`, as for OpenRTM-aist-Python."""
 
 import statistics
 import time
@@ -30,25 +30,6 @@ PING_SPEC = [
     "500",
     "conf.default.result",
     "",
-    "",
-]
-ECHO_SPEC = [
-    "implementation_id",
-    "OrtmEcho",
-    "type_name",
-    "OrtmEcho",
-    "description",
-    "Sends back what comes",
-    "version",
-    "1.0",
-    "vendor",
-    "rtkit",
-    "category",
-    "bench",
-    "language",
-    "Python",
-    "lang_type",
-    "SCRIPT",
     "",
 ]
 
@@ -95,30 +76,6 @@ class OrtmPing(OpenRTM_aist.DataFlowComponentBase):
         return taken
 
 
-class OrtmEcho(OpenRTM_aist.DataFlowComponentBase):
-    """Send back what arrives, at once."""
-
-    def __init__(self, manager):
-        OpenRTM_aist.DataFlowComponentBase.__init__(self, manager)
-        self._intoIn = OpenRTM_aist.InPort("into", pose())
-        self._outOut = OpenRTM_aist.OutPort("out", pose())
-        self._last = None
-
-    def onInitialize(self):
-        self.addInPort("into", self._intoIn)
-        self.addOutPort("out", self._outOut)
-        return RTC.RTC_OK
-
-    def onExecute(self, ec_id):
-        while True:
-            value = self._intoIn.read()
-            if value is self._last:  # none came in time
-                return RTC.RTC_OK
-            self._last = value
-            self._outOut.write(value)
-
-
 def OrtmPingInit(manager):
-    for spec, kind in ((PING_SPEC, OrtmPing), (ECHO_SPEC, OrtmEcho)):
-        profile = OpenRTM_aist.Properties(defaults_str=spec)
-        manager.registerFactory(profile, kind, OpenRTM_aist.Delete)
+    profile = OpenRTM_aist.Properties(defaults_str=PING_SPEC)
+    manager.registerFactory(profile, OrtmPing, OpenRTM_aist.Delete)

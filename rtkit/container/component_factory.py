@@ -79,7 +79,9 @@ class ComponentFactory:
     def _record(self, module: ModuleProfile) -> dict[str, Any]:
         fingerprint = self._loader.fingerprint(module.file)
         odd = self._loader.remarks(module)
-        return {"module": encode(module), "fingerprint": fingerprint, "remarks": odd}
+        record = {"module": encode(module), "fingerprint": fingerprint, "remarks": odd}
+        ahead = self._loader.ahead(module)
+        return record | ({"ahead": ahead} if ahead else {})
 
     def make(self, create: CreateString, message: Message) -> Component | dict[str, Any]:
         """Return a component that is not initialised, or which module has to be tried before.

@@ -458,8 +458,8 @@ class Loop:
                 fault.point("manager.answering")
                 self.requests.answer(request, reply)
                 fault.point("manager.answered")
-            case ev.SpawnSlave(key, name):
-                unspawned = self._slave_supervisor.fork(key, name)
+            case ev.SpawnSlave(key, name, ahead):
+                unspawned = self._slave_supervisor.fork(key, name, ahead)
                 if unspawned is not None:
                     self.post(unspawned)
                 fault.point("manager.asked_for_slave")

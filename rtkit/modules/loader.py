@@ -161,6 +161,11 @@ class Loader:
         """Return what is odd in the component classes of a module."""
         return self._remarks.get((module.file, module.init), [])
 
+    def ahead(self, module: ModuleProfile) -> str:
+        """Return which module processes import best before they import that one; mostly none."""
+        foreign = vars(self._imported[module.file].module).get(_FOREIGN)
+        return foreign.ahead if foreign else ""
+
     def fingerprint(self, path: str) -> int:
         """Return the fingerprint of the content of a loaded module."""
         return self._imported[self._real(path)].fingerprint

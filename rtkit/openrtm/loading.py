@@ -17,7 +17,13 @@ _CREATES_TOO = "MyModuleInit"
 
 
 class OpenRtmModule:
-    """Facts that the loader needs of a module that was written for OpenRTM-aist."""
+    """Facts that the loader needs of a module that was written for OpenRTM-aist.
+
+    Attributes:
+        ahead: Name of the module that imports what most of them need.
+    """
+
+    ahead = "rtkit.openrtm.ahead"
 
     def __init__(self, module: ModuleType, folder: ComponentFolder, text: bytes) -> None:
         self._module = module

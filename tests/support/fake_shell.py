@@ -145,6 +145,7 @@ class FakeShell:
         self.calls: list[FakeCall] = []
         self.told: list[tuple[int, Mapping[str, Any]]] = []
         self.spawned: dict[str, int] = {}
+        self.ahead: tuple[str, ...] = ()
         self.adopted: dict[int, int] = {}
         self.signals: list[tuple[int, int]] = []
         self.limits: dict[int, SlaveLimits] = {}
@@ -193,8 +194,8 @@ class FakeShell:
 
     def _carry_out(self, instruction: ev.Instruction) -> None:
         match instruction:
-            case ev.SpawnSlave(key, name):
-                self.spawned[name] = key
+            case ev.SpawnSlave(key, name, ahead):
+                self.spawned[name], self.ahead = key, ahead
             case ev.AdoptSlave(key, pid, _):
                 self.adopted[pid] = key
             case ev.SendToContainer(key, message):

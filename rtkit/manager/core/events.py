@@ -293,10 +293,11 @@ class TimerExpired(Event):
 
 
 class SpawnSlave(Instruction):
-    """Have the zygote fork a slave."""
+    """Have the zygote fork a slave, once it has imported some modules."""
 
     key: int
     name: str
+    ahead: tuple[str, ...] = ()
 
 
 class AdoptSlave(Instruction):

@@ -84,6 +84,7 @@ def take_all(state: ManagerState, process: Process, reported: object) -> None:
         process.found += state.modules.keys() - before
         for path in (tried.module.path, *tried.module.aliases):
             state.tried.setdefault(path, tried.fingerprint)
+        state.ahead.update(filter(None, [tried.ahead]))
 
 
 def forget_found(state: ManagerState, process: Process) -> None:
@@ -123,11 +124,16 @@ _PATIENCE_S = 10.0
 
 
 class CheckedModule(NamedTuple):
-    """A module that a process has imported, with the fingerprint of its content and findings."""
+    """A module that a process has imported, with the fingerprint of its content and findings.
+
+    Attributes:
+        ahead: Module that slaves have best imported before; mostly empty.
+    """
 
     module: ModuleProfile
     fingerprint: int
     remarks: tuple[str, ...]
+    ahead: str
 
 
 def try_module(
@@ -149,6 +155,7 @@ def try_module(
         raise failure from error
     yield fx.Spawn(end_slaves([process]))
     state.tried.update(dict.fromkeys((path, tried.module.path), tried.fingerprint))
+    state.ahead.update(filter(None, [tried.ahead]))
     return tried
 
 
@@ -177,7 +184,8 @@ def read(given: Any) -> CheckedModule:
     if not isinstance(given, dict) or not isinstance(given.get("fingerprint"), int):
         raise Malformed("what was told of the module cannot be read")
     remarks = tuple(map(str, given.get("remarks") or ()))
-    return CheckedModule(decode(ModuleProfile, given.get("module")), given["fingerprint"], remarks)
+    module, ahead = decode(ModuleProfile, given.get("module")), str(given.get("ahead", ""))
+    return CheckedModule(module, given["fingerprint"], remarks, ahead)
 
 
 def _kill(process: Process) -> fx.Procedure:

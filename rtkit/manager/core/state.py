@@ -176,6 +176,7 @@ class ManagerState:
         ending: Instance names of components that are being deleted.
         openings: Connectors that are being made, by id.
         tried: Modules that another process has imported before, with the fingerprint of each.
+        ahead: Modules that slaves are to have imported before they are forked.
         names: Paths under which the manager itself is registered.
         settings: The properties that the manager was given.
         folder: Where relative paths of properties begin.
@@ -225,6 +226,7 @@ class ManagerState:
     ending: set[str] = field(default_factory=set)
     openings: dict[str, Opening] = field(default_factory=dict)
     tried: dict[str, int] = field(default_factory=dict)
+    ahead: set[str] = field(default_factory=set)
     names: tuple[str, ...] = ()
     loose: dict[tuple[str, int], ConnectorProfile] = field(default_factory=dict)
     settings: Settings = field(default_factory=Settings)

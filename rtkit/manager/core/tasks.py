@@ -296,7 +296,7 @@ class Tasks:
         process = None if is_fresh else self._state.living_process(name)
         if process is None and not self._state.barred:
             process = self.new_process(name, trial_of=need.trial_of)
-            self._out.append(ev.SpawnSlave(process.key, name))
+            self._out.append(ev.SpawnSlave(process.key, name, tuple(sorted(self._state.ahead))))
         return process
 
     def _go_on_with_what_is_so(self) -> bool:

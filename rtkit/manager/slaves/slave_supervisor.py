@@ -10,7 +10,7 @@ import logging
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -26,6 +26,7 @@ from rtkit.container.orphans import (
     reap_orphans,
 )
 from rtkit.container.slave_checkpoint import SlaveCheckpoint, checkpoint_path
+from rtkit.deployment.message import Message
 from rtkit.link.places import of_pid, remove_socket
 from rtkit.manager.child_process import ENDS, STOPS, exit_reason
 from rtkit.manager.core import events as ev
@@ -70,7 +71,7 @@ class SlaveSupervisor:
         self._pids: dict[int, int] = {}
         self._keys: dict[int, int] = {}
         self._pidfds: dict[int, int] = {}
-        self._asked: dict[int, str] = {}
+        self._asked: dict[int, Message] = {}
         self._adopted: set[int] = set()
         self._guests: set[int] = set()
         self._halted: set[int] = set()
@@ -101,8 +102,8 @@ class SlaveSupervisor:
         """Path of slaves' data sockets, ``%p`` for the pid."""
         return str(self._settings["data"])
 
-    def fork(self, key: int, name: str) -> ev.Event | None:
-        """Ask for a slave; return why it cannot be, if that is known now.
+    def fork(self, key: int, name: str, ahead: Sequence[str] = ()) -> ev.Event | None:
+        """Ask for a slave that has imported some modules; return why it cannot be, if known now.
 
         When the zygote is just ending, `on_zygote_exit` reports that it failed; when it has ended,
         the next one is asked.
@@ -112,16 +113,16 @@ class SlaveSupervisor:
                 os.close(descriptor)
         except OSError as error:
             return ev.SlaveFailed(key, f"the manager has no descriptors left: {error.strerror}")
-        self._asked[key] = name
+        self._asked[key] = {"key": key, "name": name, "ahead": [*ahead]}
         if self.start_at is None:
-            self._ask(key, name)
+            self._ask(self._asked[key])
         return None
 
-    def _ask(self, key: int, name: str) -> None:
+    def _ask(self, message: Message) -> None:
         try:
-            self._server.channel.send({"key": key, "name": name})
+            self._server.channel.send(message)
         except OSError as error:
-            _log.warning("cannot ask for slave %s: %s", name, error)
+            _log.warning("cannot ask for slave %s: %s", message["name"], error)
 
     def expects(self, key: object, pid: object, manager: object) -> bool:
         """Return whether a connecting slave with this key and pid was requested here."""
@@ -276,8 +277,8 @@ class SlaveSupervisor:
         """Start another zygote, and ask it for the slaves that were wanted since the last one."""
         self._server.start()
         self._zygotes.add(self._server.pid)
-        for key, name in self._asked.items():
-            self._ask(key, name)
+        for message in self._asked.values():
+            self._ask(message)
 
     def reap(self) -> Iterator[ev.Event]:
         """Yield what happened to slaves that have become children of the manager itself."""

@@ -160,9 +160,22 @@ class Zygote:
         if "ended" in message:
             self._reports.append(message)
 
+    def _import_ahead(self, names: list[str]) -> None:
+        """Import what slaves from now on have in common, so that none does it by itself."""
+        for name in names:
+            try:
+                importlib.import_module(name)
+            except Exception:  # slaves are forked all the same
+                _log.exception("cannot import %s", name)
+        gc.collect()
+        gc.freeze()
+
     def _fork(self, message: Message) -> None:
         key = message["key"]
         fault.point("zygote.asked")
+        new = [name for name in message["ahead"] if name not in sys.modules]
+        if new:
+            self._import_ahead(new)
         try:
             pid = _forked()
         except OSError as error:

@@ -56,7 +56,7 @@ def test_what_was_done_is_shown_and_the_fault(shell: Any, file: Path, capsys: An
         "manager robot on h, pid 7; 0 earlier events are not here",
     ]
     assert lines[2].startswith("  0.000000  BatchRequested(batch=Batch(actions=(Create(")
-    assert "            -> SpawnSlave(key=1, name='s')" in lines
+    assert "            -> SpawnSlave(key=1, name='s', ahead=())" in lines
     assert "  0.000000  FAULT in timer: KeyError: 1" in lines
     assert "\x1b" not in out
     assert lines[-1] == "the end: 2 processes, 1 component, 0 connectors, as in the manager"

@@ -137,6 +137,17 @@ def test_a_module_that_hangs_is_given_up_in_time_with_its_line(shell):
     assert shell.killed() == [key]
 
 
+def test_slaves_have_imported_what_a_module_asks_for(shell):
+    shell.ask(Load("a.py"))
+    key = shell.fork(TRIAL)
+    assert shell.ahead == ()
+    call = shell.next("load")
+    shell.reply(call, module_of(call, "T") | {"ahead": "some.module"})
+    shell.end(key, "exit status 0")
+    shell.ask(Create("T?instance_name=A&manager_name=s"))
+    assert ([*shell.spawned], shell.ahead) == (["s"], ("some.module",))
+
+
 def test_what_does_not_load_is_not_kept(shell):
     asked = shell.ask(Load("a.py"))
     key = shell.fork(TRIAL)
