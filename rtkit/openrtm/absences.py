@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+from rtkit.errors import Malformed
 from rtkit.openrtm.absent import is_absent
 from rtkit.openrtm.names import shared_module
 from rtkit.openrtm.rtobject import ABSENT_METHODS
@@ -30,10 +31,13 @@ def absences_in(source: bytes, file: str) -> list[AbsentUse]:
     """Return each name once, at its first place, in the order of lines.
 
     Raises:
-        Refused: The source is Python 2.
-        SyntaxError: It is Python of no version.
+        Refused: The source is Python 2; names the line, and the command that converts it.
+        Malformed: It is Python of no version; names the line.
     """
-    tree = ast.parse(mended(source, file), file)
+    try:
+        tree = ast.parse(mended(source, file), file)
+    except SyntaxError as error:
+        raise Malformed(f"{file}:{error.lineno or 1}: {error.msg}") from error
     modules = dict(_imported(tree))
     own = {each.name for each in ast.walk(tree) if isinstance(each, ast.FunctionDef)}
     first: dict[str, int] = {}

@@ -12,7 +12,7 @@ from rtkit.component.factory import Factories
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.modules.loader import import_source, registered_by
 from rtkit.modules.neighbours import among_its_own
-from rtkit.modules.search import SUFFIX, Search
+from rtkit.modules.search import SUFFIX, ModuleSource, Search
 from rtkit.resources import resource
 
 
@@ -39,11 +39,8 @@ def component_class(typed: str, wanted: str) -> FactoryOffer:
         Refused: The module cannot be used; says why and where.
         Malformed: It offers several types, or what is named is none.
     """
-    path, _, name = typed.rpartition(":") if ":" in typed else (typed, "", "")
-    folders = [".", *os.environ.get("RTKIT_MODULE_PATH", "").split(os.pathsep)]
-    place = os.path.abspath(path) if "/" in path or os.path.isfile(path) else path
-    search = Search([each for each in folders if each] + [resource("examples", "basic")])
-    source = search.read(place)
+    path, name = _split(typed)
+    source = module_source(typed)
     file = source.file
     with among_its_own(source):
         module = import_source(source)
@@ -57,6 +54,25 @@ def component_class(typed: str, wanted: str) -> FactoryOffer:
     with among_its_own(source):
         classes = registered_by(module, init, path, is_usual=init == usual)
     return FactoryOffer(_chosen(classes, typed, wanted), file, init)
+
+
+def module_source(typed: str) -> ModuleSource:
+    """Return the module of ``MODULE:FACTORY``, which is not imported.
+
+    Raises:
+        NotFound: There is no such module.
+        Refused: It cannot be used; says why.
+    """
+    path, _ = _split(typed)
+    folders = [".", *os.environ.get("RTKIT_MODULE_PATH", "").split(os.pathsep)]
+    place = os.path.abspath(path) if "/" in path or os.path.isfile(path) else path
+    search = Search([each for each in folders if each] + [resource("examples", "basic")])
+    return search.read(place)
+
+
+def _split(typed: str) -> tuple[str, str]:
+    path, colon, name = typed.rpartition(":")
+    return (path, name) if colon else (typed, "")
 
 
 def _chosen(classes: Sequence[type[Component]], typed: str, wanted: str) -> type[Component]:

@@ -32,7 +32,7 @@ from rtkit.fast_dataclass import replace
 from rtkit.keys import authority
 from rtkit.link import host_links
 from rtkit.link.host_links import HostLink
-from rtkit.rtc.profiles import TypeProfile
+from rtkit.rtc.profiles import ModuleProfile, TypeProfile
 from rtkit.version import __version__
 
 
@@ -260,7 +260,25 @@ def test_what_old_components_miss_is_told(tmp_path: Path) -> None:
     (found,) = live.absences(facts)
     assert found.text.startswith(f"{file}:2 uses OpenRTM_aist.CSPManager of OpenRTM-aist")
     file.write_text("no Python any more, OpenRTM_aist")
-    assert list(live.absences(facts)) == []
+    (found,) = live.absences(facts)
+    assert (found.severity, found.text) == (WARNING, f"{file}:1: invalid syntax")
+
+
+def test_what_modules_without_a_component_miss_is_told(tmp_path: Path) -> None:
+    file = tmp_path / "A.py"
+    facts = replace(FACTS, modules=(ModuleProfile("A.py", "AInit", (), str(file)),))
+    told = []
+    for text in ("import OpenRTM_aist\nOpenRTM_aist.CSPManager()\n",
+                 "import OpenRTM_aist\nprint 1\n", "native = 1\n"):  # fmt: skip
+        file.write_text(text)
+        told += [each.text for each in live.absences(facts)]
+    file.unlink()
+    told += [each.text for each in live.absences(facts)]
+    assert told == [
+        f"{file}:2 uses OpenRTM_aist.CSPManager of OpenRTM-aist, which rtkit does not have",
+        f"{file}:2 is Python 2 (print as a statement): rtkit openrtm migrate {file} converts it",
+        f"module {file} cannot be read any more: No such file or directory",
+    ]
 
 
 def test_a_manager_of_another_version() -> None:

@@ -81,6 +81,7 @@ ELSEWHERE = {
     "status": "system/test_status.py",
     "system-state": "unit/cli/test_system_states.py",
     "converted-component": "unit/openrtm/test_convert.py",
+    "absent-name": "unit/cli/test_profile_from.py",
     "migrated-file": "unit/openrtm/test_migration.py",
     "terminal": "system/test_terminals.py",
     "transition": "unit/cli/test_system_states.py",

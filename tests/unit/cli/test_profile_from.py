@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import jsonrecords
 import pytest
 
 from rtkit.profile.read import read_profile, read_rtc
@@ -144,3 +145,26 @@ def test_a_module_that_does_not_import_says_where(place: Path, run: Run) -> None
     assert status == 1
     assert "ModuleNotFoundError" in err
     assert err.endswith("broken.py:2)\n")
+
+
+def test_names_of_openrtm_that_are_not_there_are_records(place: Path, run: Run) -> None:
+    file = place / "Old.py"
+    file.write_text("import OpenRTM_aist\n\nraise ValueError(OpenRTM_aist.CSPManager)\n")
+    done = run("rtprofile from --json Old.py")
+    (record,) = jsonrecords.checked(done.out)
+    assert (done.status, done.err, jsonrecords.kind_of(record)) == (0, "", "absent-name")
+    assert (record["file"], record["line"]) == (str(file), 3)
+    assert record["name"] == "OpenRTM_aist.CSPManager"
+    assert run("rtprofile from --json mines.py") == (0, "", "")
+    status, out, err = run("rtprofile from Old.py")
+    assert (status, out) == (1, "")
+    assert f"warning: {file}:3: OpenRTM_aist.CSPManager of OpenRTM-aist is not supported" in err
+    assert "ValueError" in err.splitlines()[-1]
+
+
+def test_an_old_component_in_python_2_is_told_as_one(place: Path, run: Run) -> None:
+    (place / "Old.py").write_text("import OpenRTM_aist\nprint 'x'\n")
+    for line in ("rtprofile from Old.py", "rtprofile from --json Old.py"):
+        status, out, err = run(line)
+        assert (status, out) == (1, "")
+        assert "Old.py:2 is Python 2 (print as a statement): rtkit openrtm migrate" in err

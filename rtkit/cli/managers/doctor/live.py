@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from rtkit.cli.managers.doctor import ERROR, NOTE, OK, WARNING, Diagnosis
 from rtkit.deployment.health import IN_DEBUGGER
-from rtkit.errors import Refused, RtkitError
+from rtkit.errors import RtkitError
 from rtkit.link import places
 from rtkit.link.processes import state_of
 from rtkit.rtc.manager_address import DEFAULT_PORT
@@ -172,23 +172,37 @@ def old_code(facts: Snapshot) -> Iterator[Diagnosis]:
 
 
 def absences(facts: Snapshot) -> Iterator[Diagnosis]:
-    """Name what components written for OpenRTM-aist use that rtkit does not have."""
-    from contextlib import suppress
+    """Name what modules written for OpenRTM-aist use that rtkit does not have.
 
+    Modules that are loaded are looked at, and the files of all components.
+    """
     from rtkit.api.looking import present_code
+
+    files = {each.file for each in facts.modules if each.file} | {*present_code(facts.components)}
+    for file in sorted(files):
+        try:
+            yield from _absences_in(file)
+        except OSError as error:
+            text = f"module {file} cannot be read any more: {error.strerror}"
+            cure = "what is loaded goes on; rtmgr -u forgets the module"
+            yield Diagnosis("modules", WARNING, text, cure, file)
+        except RtkitError as error:  # it was edited since: what it says of Python 2 has the cure
+            yield Diagnosis("modules", WARNING, str(error), "", file)
+
+
+def _absences_in(file: str) -> Iterator[Diagnosis]:
     from rtkit.openrtm.source import MARK
 
-    for file in sorted(present_code(facts.components)):
-        with suppress(OSError, SyntaxError, Refused):  # it is gone, or is no Python any more
-            with open(file, "rb") as stream:
-                source = stream.read()
-            if MARK in source:
-                from rtkit.openrtm.absences import absences_in  # native ones have none
+    with open(file, "rb") as stream:
+        source = stream.read()
+    if MARK not in source:
+        return
+    from rtkit.openrtm.absences import absences_in  # native ones have none
 
-                for line, name in absences_in(source, file):
-                    text = f"{file}:{line} uses {name} of OpenRTM-aist, which rtkit does not have"
-                    cure = "what calls it fails; the others work"
-                    yield Diagnosis("modules", WARNING, text, cure, file)
+    for line, name in absences_in(source, file):
+        text = f"{file}:{line} uses {name} of OpenRTM-aist, which rtkit does not have"
+        cure = "what calls it fails; the others work"
+        yield Diagnosis("modules", WARNING, text, cure, file)
 
 
 def _processes(name: str, listing: Listing, facts: Snapshot) -> Iterator[Diagnosis]:

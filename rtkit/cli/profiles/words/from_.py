@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import click
 
+from rtkit.cli.shared import json_records, terminal
 from rtkit.cli.shared.app import App, WrongArguments
 from rtkit.cli.shared.command import command
-from rtkit.cli.shared.options import arguments, flag, option
+from rtkit.cli.shared.options import arguments, flag, json_flag, option
 from rtkit.errors import UsageProblem
 from rtkit.profile.forms import FORMS, form_of_name
+
+if TYPE_CHECKING:
+    from rtkit.modules.search import ModuleSource
+    from rtkit.openrtm.absences import AbsentUse
 
 _EPOCH = "SOURCE_DATE_EPOCH"
 
@@ -21,7 +28,9 @@ _EPOCH = "SOURCE_DATE_EPOCH"
     examples=(
         ("rtprofile from Robot.py -o RTC.xml", "The profile of a component, from its code."),
         ("rtprofile from Robot.py --to yaml", "As YAML, on stdout."),
+        ("rtprofile from --json Old.py", "What does it use of OpenRTM that rtkit does not have?"),
     ),
+    json=("absent-name",),
     arguments=("module",),
 )
 def main(
@@ -33,6 +42,9 @@ def main(
     wanted: str = option("--type", "Which type, of a module that offers several.", default=""),
     initialize: bool = flag(
         "--initialize", "Call on_initialize first, for ports that are made there."
+    ),
+    is_json: bool = json_flag(
+        "A record for each name of OpenRTM that is not there, and no profile: no code runs."
     ),
     modules: tuple[str, ...] = arguments("MODULE:FACTORY"),
 ) -> None:
@@ -50,15 +62,23 @@ def main(
     if output != "-" and to is None and form_of_name(output) is None:
         raise UsageProblem(f"no form to write: --to {'|'.join(FORMS)}, or a FILE that ends so")
     from rtkit.builder.profile_of import profile_of
-    from rtkit.cli.profiles.factory import component_class, instance_of
+    from rtkit.cli.profiles.factory import component_class, instance_of, module_source
     from rtkit.component.base import Component
     from rtkit.deployment.extension import MODULE
     from rtkit.link.atomic import write_output
     from rtkit.profile.write import write_profile
 
+    source = module_source(modules[0])
+    absences = _absences(source)
+    if is_json:
+        terminal.write(_record(source.file, each) for each in absences)
+        return
+    app.warn(
+        f"{source.file}:{line}: {name} of OpenRTM-aist is not supported by rtkit"
+        for line, name in absences
+    )
     offer = component_class(modules[0], wanted)
     initialize = initialize or offer.cls.is_made_late
-    _warn_of_absences(app, offer.file)
     component = instance_of(offer.cls, modules[0], is_initialised=initialize)
     if not initialize and offer.cls.on_initialize is not Component.on_initialize:
         app.verbose("ports that on_initialize makes are not told: --initialize calls it")
@@ -67,19 +87,19 @@ def main(
     write_output(write_profile(profile, form), output)
 
 
-def _warn_of_absences(app: App, file: str) -> None:
-    """Warn of what an old component uses that is not there, before it runs into it."""
+def _absences(source: ModuleSource) -> Sequence[AbsentUse]:
+    """Return what an old component uses that is not there; native ones have none."""
     from rtkit.openrtm.source import MARK
 
-    with open(file, "rb") as stream:
-        source = stream.read()
-    if MARK in source:
-        from rtkit.openrtm.absences import absences_in  # native components have none
+    if MARK not in source.text:
+        return ()
+    from rtkit.openrtm.absences import absences_in
 
-        app.warn(
-            f"{file}:{line}: {name} of OpenRTM-aist is not supported by rtkit"
-            for line, name in absences_in(source, file)
-        )
+    return absences_in(source.text, source.file)
+
+
+def _record(file: str, use: AbsentUse) -> str:
+    return json_records.line("absent-name", {"file": file, "line": use.line, "name": use.name})
 
 
 def _now() -> str:
