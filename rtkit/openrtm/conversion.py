@@ -78,7 +78,7 @@ def _sign(tree: ast.Module | SyntaxError, text: str, file: str) -> SignOfPython2
         return next(iter(signs_in(tree)), None)
     sign = sign_of_python2(text, tree.lineno or 1)
     if sign is None:
-        raise Malformed(f"SyntaxError: {tree.msg} ({file}:{tree.lineno})")
+        raise Malformed(f"SyntaxError: {tree.msg} ({file}:{tree.lineno or 1})")
     return sign
 
 

@@ -99,6 +99,8 @@ def test_what_a_person_should_look_at_is_told() -> None:
 def test_what_is_no_python_is_refused_by_line() -> None:
     with pytest.raises(Malformed, match=r"SyntaxError: .* \(a.py:2\)"):
         converted(b"x = 1\ndef f(:\n", "a.py")
+    with pytest.raises(Malformed, match=r"null bytes \(a.py:1\)"):  # Python tells no line here
+        converted(b"x = \0\n", "a.py")
 
 
 def test_what_cannot_be_converted_is_refused() -> None:
