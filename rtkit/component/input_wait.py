@@ -9,6 +9,8 @@ See decision 94.
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Protocol
 
 WAITS = "waiting for input"
@@ -44,6 +46,8 @@ class _Refusals:
 _since: dict[str, float] = {}
 _leaving: dict[str, _Refusals] = {}
 _wakers: dict[str, EndOfWaits] = {}
+_waits: dict[str, tuple[EndOfWaits, ...]] = {}
+"""Waits for something else than input that are under way."""
 
 
 def begin_wait(instance: str) -> None:
@@ -78,6 +82,23 @@ def leave_input(instance: str) -> None:
     end = _wakers.get(instance)
     if end is not None:
         end.ring()
+    for each in _waits.get(instance, ()):
+        each.ring()
+
+
+def is_leaving(instance: str) -> bool:
+    """Return whether each wait of a component is to end."""
+    return instance in _leaving
+
+
+@contextmanager
+def ended_with_input(instance: str, end: EndOfWaits) -> Iterator[None]:
+    """Have a wait for something else than input end, too, while this is entered."""
+    _waits[instance] = (*_waits.get(instance, ()), end)
+    try:
+        yield
+    finally:
+        _waits[instance] = tuple(each for each in _waits[instance] if each is not end)
 
 
 def allow_input(instance: str) -> None:

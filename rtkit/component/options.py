@@ -145,6 +145,15 @@ _WORDS = {
 P = TypeVar("P", bound=StrEnum)
 
 
+def is_channel(properties: Mapping[str, str]) -> bool:
+    """Return whether a connector is a channel: its out port knows when its in port takes a value.
+
+    It is pulled, by an in port that reads ahead (see `rtkit.openrtm.channel_out_port`).
+    """
+    is_duplex = _word(properties, DATAFLOW_TYPE, "") == "duplex"
+    return is_duplex or _word(properties, INTERFACE_TYPE, "") == "csp_channel"
+
+
 def parse_options(properties: Mapping[str, str]) -> ConnectorOptions:
     """Read the properties of a data connector.
 
@@ -162,7 +171,9 @@ def parse_options(properties: Mapping[str, str]) -> ConnectorOptions:
     return ConnectorOptions(
         data_type=properties.get("dataport.data_type", ""),
         interface=interface_name(_word(properties, INTERFACE_TYPE, DEFAULT_INTERFACE)),
-        dataflow=_word(properties, DATAFLOW_TYPE, USUAL_DATAFLOW),
+        dataflow=(
+            "pull" if is_channel(properties) else _word(properties, DATAFLOW_TYPE, USUAL_DATAFLOW)
+        ),
         subscription=subscription if subscription in SUBSCRIPTIONS else "new",
         push_policy=policy,
         skip_count=skip_count,

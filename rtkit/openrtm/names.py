@@ -24,6 +24,8 @@ _HOME = {
         ConnectorDataListener ConnectorDataListenerT ConnectorDataListenerType ConnectorInfo
         ConnectorListener ConnectorListenerStatus ConnectorListenerType
     """,
+    "csp_manager": "CSPManager",
+    "csp_ports": "CSPInPort CSPOutPort",
     "clock": "Time TimeMeasure TimeValue setTimestamp",
     "logger": "Logger",
     "manager": "Delete Manager",

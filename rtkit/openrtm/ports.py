@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from rtkit.component.options import PortStatus
 from rtkit.component.port import InPort as FrozenInPort
@@ -117,6 +117,7 @@ class InPort(PortBase):
     """A port that values arrive at."""
 
     port: FrozenInPort[Any]
+    port_class: ClassVar[type[FrozenInPort[Any]]] = FrozenInPort
 
     def __init__(self, name: str, value: Any, buffer: Any = None, *_: Any, **__: Any) -> None:
         super().__init__(name)
@@ -125,7 +126,7 @@ class InPort(PortBase):
         self._thaw = thawer_of(cls)
         self._on_read: Callable[[], Any] | None = None
         self._on_read_convert: Callable[[Any], Any] | None = None
-        self.port = FrozenInPort(cls, name)
+        self.port = self.port_class(cls, name)
 
     def isNew(self, names: Any = None) -> bool:
         """Return whether a value is there that was not read yet."""
@@ -168,6 +169,7 @@ class OutPort(PortBase):
     """A port that values leave from."""
 
     port: FrozenOutPort[Any]
+    port_class: ClassVar[type[FrozenOutPort[Any]]] = FrozenOutPort
 
     def __init__(self, name: str, value: Any, buffer: Any = None) -> None:
         super().__init__(name)
@@ -177,7 +179,7 @@ class OutPort(PortBase):
         self._on_write: Callable[[Any], Any] | None = None
         self._on_write_convert: Callable[[Any], Any] | None = None
         self._failure = ""
-        self.port = FrozenOutPort(cls, name)
+        self.port = self.port_class(cls, name)
 
     def write(self, value: Any = None) -> bool:
         """Send a value, else what the bound variable holds now; return whether all got it.
@@ -190,13 +192,15 @@ class OutPort(PortBase):
             self._on_write(value)
         if self._on_write_convert is not None:
             value = self._on_write_convert(value)
-        port = self.port
         try:
-            status = port.write(self._freeze(value))
+            status = self._send(value)
         except UNFIT as error:
             self._report(value, error)
             return False
-        return status is PortStatus.OK and bool(port.connectors)
+        return status is PortStatus.OK and bool(self.port.connectors)
+
+    def _send(self, value: Any) -> PortStatus:
+        return self.port.write(self._freeze(value))
 
     def setOnWrite(self, on_write: Callable[[Any], Any]) -> None:
         """Have a function called with each value before it is sent."""

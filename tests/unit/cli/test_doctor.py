@@ -254,11 +254,11 @@ def test_old_code_is_told(tmp_path: Path) -> None:
 
 def test_what_old_components_miss_is_told(tmp_path: Path) -> None:
     file = tmp_path / "A.py"
-    file.write_text("import OpenRTM_aist\nport = OpenRTM_aist.CSPManager()\n")
+    file.write_text("import OpenRTM_aist\nport = OpenRTM_aist.SdoServiceAdmin()\n")
     component = ComponentFacts("A", TypeProfile("T"), "s", code=f"00000000 {file}")
     facts = replace(FACTS, components=(component,))
     (found,) = live.absences(facts)
-    assert found.text.startswith(f"{file}:2 uses OpenRTM_aist.CSPManager of OpenRTM-aist")
+    assert found.text.startswith(f"{file}:2 uses OpenRTM_aist.SdoServiceAdmin of OpenRTM-aist")
     file.write_text("no Python any more, OpenRTM_aist")
     (found,) = live.absences(facts)
     assert (found.severity, found.text) == (WARNING, f"{file}:1: invalid syntax")
@@ -268,14 +268,14 @@ def test_what_modules_without_a_component_miss_is_told(tmp_path: Path) -> None:
     file = tmp_path / "A.py"
     facts = replace(FACTS, modules=(ModuleProfile("A.py", "AInit", (), str(file)),))
     told = []
-    for text in ("import OpenRTM_aist\nOpenRTM_aist.CSPManager()\n",
+    for text in ("import OpenRTM_aist\nOpenRTM_aist.SdoServiceAdmin()\n",
                  "import OpenRTM_aist\nprint 1\n", "native = 1\n"):  # fmt: skip
         file.write_text(text)
         told += [each.text for each in live.absences(facts)]
     file.unlink()
     told += [each.text for each in live.absences(facts)]
     assert told == [
-        f"{file}:2 uses OpenRTM_aist.CSPManager of OpenRTM-aist, which rtkit does not have",
+        f"{file}:2 uses OpenRTM_aist.SdoServiceAdmin of OpenRTM-aist, which rtkit does not have",
         f"{file}:2 is Python 2 (print as a statement): rtkit openrtm migrate {file} converts it",
         f"module {file} cannot be read any more: No such file or directory",
     ]

@@ -149,16 +149,18 @@ def test_a_module_that_does_not_import_says_where(place: Path, run: Run) -> None
 
 def test_names_of_openrtm_that_are_not_there_are_records(place: Path, run: Run) -> None:
     file = place / "Old.py"
-    file.write_text("import OpenRTM_aist\n\nraise ValueError(OpenRTM_aist.CSPManager)\n")
+    file.write_text("import OpenRTM_aist\n\nraise ValueError(OpenRTM_aist.SdoServiceAdmin)\n")
     done = run("rtprofile from --json Old.py")
     (record,) = jsonrecords.checked(done.out)
     assert (done.status, done.err, jsonrecords.kind_of(record)) == (0, "", "absent-name")
     assert (record["file"], record["line"]) == (str(file), 3)
-    assert record["name"] == "OpenRTM_aist.CSPManager"
+    assert record["name"] == "OpenRTM_aist.SdoServiceAdmin"
     assert run("rtprofile from --json mines.py") == (0, "", "")
     status, out, err = run("rtprofile from Old.py")
     assert (status, out) == (1, "")
-    assert f"warning: {file}:3: OpenRTM_aist.CSPManager of OpenRTM-aist is not supported" in err
+    assert (
+        f"warning: {file}:3: OpenRTM_aist.SdoServiceAdmin of OpenRTM-aist is not supported" in err
+    )
     assert "ValueError" in err.splitlines()[-1]
 
 

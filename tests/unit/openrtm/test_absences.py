@@ -12,8 +12,8 @@ from SDOPackage import DeviceProfile as Part
 
 class Robot(OpenRTM_aist.DataFlowComponentBase):
     def onInitialize(self):
-        self.chooser = OpenRTM_aist.CSPManager()
-        self.again = OpenRTM_aist.CSPManager.select
+        self.chooser = OpenRTM_aist.SdoServiceAdmin()
+        self.again = OpenRTM_aist.SdoServiceAdmin.select
         self.addSdoServiceProvider(None, None)
         self.exit = 1
         if CORBA.is_nil(None):
@@ -24,7 +24,7 @@ class Robot(OpenRTM_aist.DataFlowComponentBase):
 
 def test_absent_names_are_found_with_their_first_lines() -> None:
     assert absences_in(SOURCE, "Robot.py") == [
-        AbsentUse(9, "OpenRTM_aist.CSPManager"),
+        AbsentUse(9, "OpenRTM_aist.SdoServiceAdmin"),
         AbsentUse(11, "RTObject.addSdoServiceProvider"),
         AbsentUse(14, "omniORB.findType"),
         AbsentUse(15, "SDOPackage.DeviceProfile"),

@@ -85,11 +85,11 @@ def test_a_file_beside_the_module_is_read_by_its_name(tmp_path: Path) -> None:
 def test_what_is_absent_says_so_when_it_is_called(tmp_path: Path) -> None:
     body = """
 def onInitialize(self):
-    OpenRTM_aist.CSPManager.instance()
+    OpenRTM_aist.SdoServiceAdmin.instance()
     return RTC.RTC_OK
 """
     with pytest.raises(
-        Refused, match=r"OpenRTM_aist\.CSPManager.instance of OpenRTM-aist is not supp"
+        Refused, match=r"OpenRTM_aist\.SdoServiceAdmin.instance of OpenRTM-aist is not supp"
     ):
         made(write_component(tmp_path, "One", body))
 

@@ -1,0 +1,151 @@
+"""An in port whose connectors may be channels: it asks for values while it has room for them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from rtkit.component.buffer import GuardedRing, Sink, Source
+from rtkit.component.connector_events import ConnectorEvent
+from rtkit.component.options import BufferOptions, EmptyPolicy, PortStatus, is_channel
+from rtkit.component.port import InPort
+from rtkit.errors import Malformed
+from rtkit.link.threads import start_thread
+from rtkit.logs.late import late
+from rtkit.openrtm.meeting import CHANNELS, Meeting
+from rtkit.rtc.profiles import ConnectorProfile
+
+_LENGTH, _USUAL_LENGTH = "buffer.length", 8
+_AGAIN_S = 0.05
+"""Pause of a channel whose writer does not answer, or is gone [s]."""
+_log = late(__name__)
+
+
+class ChannelInPort(InPort[Any]):
+    """An in port that asks for values over its channels.
+
+    Attributes:
+        meeting: What its reader and its channels wait at.
+        readers: Number of those who wait for a value.
+    """
+
+    def _begin(self) -> None:
+        super()._begin()
+        self.properties.update(CHANNELS)
+        self.meeting = Meeting()
+        self.readers = 0
+        self.listen(None)
+
+    def listen(self, listener: Callable[[], None] | None) -> None:
+        """See `InPort.listen`; those at the meeting are told anyway."""
+
+        def ring_and_call() -> None:
+            self.meeting.ring()
+            if listener is not None:
+                listener()
+
+        super().listen(ring_and_call)
+
+    def open_pull(self, connector: ConnectorProfile, source: Source[Any]) -> None:
+        """Open a connector that is pulled.
+
+        Raises:
+            Refused: It is open already, or the port takes no more.
+        """
+        if not is_channel(connector.properties):
+            super().open_pull(connector, source)
+            return
+        id = connector.connector_id
+        ring = _Ring(self, source, self._length(connector), lambda: self._keep(connector, ring))
+        self._add(connector, ring, EmptyPolicy.DO_NOTHING)
+        self._renewals[id] = (ring, ring.use)
+        self.renew(id)
+        start_thread(ring.fill, f"channel {id}")
+        self._notify(ConnectorEvent.CONNECTED, connector)
+
+    def _keep(self, connector: ConnectorProfile, ring: _Ring) -> None:
+        """Have what came while a channel was closed read, too: its writer was told so."""
+        with self._lock:
+            if all(each is not ring for _, each in self._left):
+                self._left = (*self._left, (connector, ring))
+            self._refresh()
+
+    def _length(self, connector: ConnectorProfile) -> int:
+        """Return how many values are asked for before they are read."""
+        its = connector.properties.get(f"dataport.{_LENGTH}", "")
+        text = (its or self.properties.get(_LENGTH, "")).strip()
+        return int(text) if text.isdecimal() else _USUAL_LENGTH
+
+
+@contextmanager
+def reading(*ports: ChannelInPort) -> Iterator[None]:
+    """Have the channels of ports without buffer ask while this is entered."""
+    for each in ports:
+        with each.meeting.changed:
+            each.readers += 1
+            each.meeting.changed.notify_all()
+    try:
+        yield
+    finally:
+        for each in ports:
+            with each.meeting.changed:
+                each.readers -= 1
+
+
+class _Ring(GuardedRing[Any]):
+    """The values of one channel that were not read yet, and the thread that asks for more.
+
+    One of length 0 asks while somebody waits for a value, and the port has none.
+    """
+
+    def __init__(
+        self, port: ChannelInPort, source: Source[Any], length: int, keep: Callable[[], None]
+    ) -> None:
+        super().__init__(BufferOptions(length=max(length, 1)))
+        self._changed = port.meeting.changed
+        self._port = port
+        self._source = source
+        self._sink: Sink[Any] = self.write
+        self._keep = keep
+        self._is_unbuffered = length == 0
+
+    def write(self, value: Any) -> PortStatus | None:
+        """Take a value: it was asked for, so there is room, also when this was just closed."""
+        with self._changed:
+            self._items.append(value)
+            self._changed.notify_all()
+        return None
+
+    def use(self, sink: Sink[Any]) -> None:
+        """Give values that come to another sink from now on."""
+        self._sink = sink
+
+    def fill(self) -> None:
+        """Ask, whenever there is room, until this is closed."""
+        while self._await_room():
+            began = time.monotonic()
+            try:
+                value = self._source()
+            except Malformed as error:
+                _log().warning("port %s: value dropped: %s", self._port.name, error)
+                continue
+            if value is not None:
+                self._sink(value)
+                if self._is_closed:
+                    self._keep()
+                    self._port.meeting.ring()
+            elif time.monotonic() - began < _AGAIN_S:  # nobody answered
+                with self._changed:
+                    self._changed.wait_for(lambda: self._is_closed, _AGAIN_S)
+
+    def _await_room(self) -> bool:
+        with self._changed:
+            self._changed.wait_for(lambda: self._is_closed or self._has_room())
+            return not self._is_closed
+
+    def _has_room(self) -> bool:
+        if self._is_unbuffered:
+            return self._port.readers > 0 and not self._port.is_new()
+        return len(self) < self.length
