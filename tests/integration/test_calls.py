@@ -65,6 +65,44 @@ def test_a_caller_that_is_closed_calls_no_more(streams: tuple[LocalStreams, Loca
         caller.call(b"", 5.0)
 
 
+def test_calls_over_one_connector_do_not_wait_for_each_other(
+    streams: tuple[LocalStreams, LocalStreams],
+) -> None:
+    provider, consumer = streams
+    meeting = threading.Barrier(3, timeout=5.0)
+
+    def meet(request: bytes) -> bytes:
+        meeting.wait()
+        return request
+
+    caller = consumer.caller(provider.serve(KEY, meet)[0], KEY, 5.0)
+    requests = [b"a", b"b", b"c"]
+    with ThreadPoolExecutor(3) as pool:
+        for _ in range(2):
+            assert list(pool.map(lambda each: caller.call(each, 5.0), requests)) == requests
+
+
+def test_a_provider_that_hangs_has_no_further_thread_for_each_call(
+    streams: tuple[LocalStreams, LocalStreams],
+) -> None:
+    provider, consumer = streams
+    asked: list[bytes] = []
+    release = threading.Event()
+
+    def stuck(request: bytes) -> bytes:
+        asked.append(request)
+        release.wait(30.0)
+        return request
+
+    caller = consumer.caller(provider.serve(KEY, stuck)[0], KEY, 5.0)
+    for request in (b"a", b"b", b"c"):
+        with pytest.raises(Unreachable, match="no answer"):
+            caller.call(request, 0.05)
+    assert asked == [b"a"]
+    release.set()
+    assert caller.call(b"d", 5.0) == b"d"
+
+
 def test_calls_of_several_connectors_do_not_wait_for_each_other(
     streams: tuple[LocalStreams, LocalStreams],
 ) -> None:

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from itertools import count
 
 from rtkit.errors import Unreachable
@@ -87,27 +89,70 @@ class LocalFetcher(_Requests, Fetcher):
         return None if packet.kind == LOST else packet.value
 
 
-class LocalCaller(_Requests, CallerEnd):
-    """Caller's end of a service connector."""
+class LocalCaller(CallerEnd):
+    """Caller's end of a service connector.
+
+    Calls that are under way at a time each have a connection; those stay for the next ones. One
+    whose answer has not come in time is used again where no other is free: what asks a provider
+    that hangs takes no more threads of it with each call.
+
+    Args:
+        channel: The first connection.
+        another: Opens a further one within a time [s].
+    """
+
+    def __init__(self, channel: Channel, another: Callable[[float], Channel]) -> None:
+        self._another = another
+        self._all = [_Requests(channel)]
+        self._free = deque(self._all)
+        self._is_closed = False
 
     def call(self, request: bytes, timeout_s: float) -> bytes:
         """See `CallerEnd.call`."""
+        until = time.monotonic() + timeout_s
         try:
-            return bytes(self.ask(request, timeout_s).value)
+            requests = self._taken(timeout_s)
+            give_back = self._free.appendleft
+            try:
+                answer = bytes(requests.ask(request, until - time.monotonic()).value)
+                give_back = self._free.append
+            finally:
+                give_back(requests)
         except TimeoutError:
             raise Unreachable(f"no answer within {timeout_s:g} s") from None
-        except OSError:
-            here = self._channel.is_closed
+        except (OSError, Unreachable):
+            here = self._is_closed
             raise Unreachable(
                 "the connection is closed" if here else "the provider is gone"
             ) from None
+        return answer
+
+    def _taken(self, timeout_s: float) -> _Requests:
+        """Return a connection that is free, a new one where there is none.
+
+        Raises:
+            Unreachable: There can be none.
+        """
+        with suppress(IndexError):
+            return self._free.pop()
+        requests = _Requests(self._another(timeout_s))
+        self._all.append(requests)
+        if self._is_closed:  # meanwhile
+            requests.close()
+        return requests
+
+    def close(self) -> None:
+        """Call no more; threads that wait are told."""
+        self._is_closed = True
+        for each in list(self._all):
+            each.close()
 
 
 class AnsweringEnd:
-    """Answers requests, one after the other.
+    """Answers requests: those that come over one connection one after the other.
 
-    Each who asks has a thread here, which may be inside a provider that never comes back: nothing
-    waits for it.
+    Each connection has a thread here, which may be inside a provider that never comes back:
+    nothing waits for it.
 
     Args:
         reply_to: Returns the reply to a request; None where there is none.
@@ -119,7 +164,6 @@ class AnsweringEnd:
     ) -> None:
         self._reply_to = reply_to
         self._forget = forget
-        self._lock = threading.Lock()
         self._channels: list[Channel] = []
         self._is_closed = False
 
@@ -141,9 +185,7 @@ class AnsweringEnd:
     def _run(self, channel: Channel) -> None:
         try:
             while (packet := channel.receive()) is not None:
-                with self._lock:
-                    value = self._reply_to(bytes(packet.value))
-                _send_back(channel, value, packet.number)
+                _send_back(channel, self._reply_to(bytes(packet.value)), packet.number)
         except (OSError, ValueError):
             pass  # it is closed, here or there
         finally:

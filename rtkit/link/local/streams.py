@@ -71,7 +71,13 @@ class LocalStreams(Streams):
 
     def answer(self, key: str, next_value: Callable[[], Octets | None]) -> tuple[str, ConnectorEnd]:
         """See `Streams.answer`."""
-        end = AnsweringEnd(lambda _: next_value(), partial(self._forget, key))
+        lock = threading.Lock()
+
+        def taken(_request: bytes) -> Octets | None:
+            with lock:
+                return next_value()
+
+        end = AnsweringEnd(taken, partial(self._forget, key))
         return self._listen(key, end), end
 
     def serve(self, key: str, reply_to: Callable[[bytes], bytes]) -> tuple[str, ConnectorEnd]:
@@ -111,7 +117,8 @@ class LocalStreams(Streams):
 
     def caller(self, endpoint: str, key: str, timeout_s: float) -> CallerEnd:
         """See `Streams.caller`."""
-        return LocalCaller(self._connect(endpoint, key, timeout_s))
+        another = partial(self._connect, endpoint, key)
+        return LocalCaller(another(timeout_s), another)
 
     def close(self) -> None:
         """See `Streams.close`."""
