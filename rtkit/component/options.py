@@ -235,8 +235,9 @@ def _buffer(properties: Mapping[str, str], side: str, least: int) -> BufferOptio
         return own if own in properties else f"dataport.buffer.{tail}"
 
     length = _integer(properties, key("length"), DEFAULT_LENGTH)
-    if not 1 <= length <= MAX_LENGTH:
-        raise _bad(properties, key("length"), f"1 to {MAX_LENGTH}")
+    shortest = 0 if is_channel(properties) else 1
+    if not shortest <= length <= MAX_LENGTH:
+        raise _bad(properties, key("length"), f"{shortest} to {MAX_LENGTH}")
     return BufferOptions(
         length=max(length, least, MIN_LENGTH),
         full_policy=_choice(FullPolicy, properties, key("write.full_policy"), FullPolicy.OVERWRITE),

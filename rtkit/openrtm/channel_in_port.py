@@ -14,10 +14,11 @@ from rtkit.component.port import InPort
 from rtkit.errors import Malformed
 from rtkit.link.threads import start_thread
 from rtkit.logs.late import late
-from rtkit.openrtm.meeting import CHANNELS, Meeting
+from rtkit.openrtm.meeting import CHANNELS, Meeting, number_in
 from rtkit.rtc.profiles import ConnectorProfile
 
-_LENGTH, _USUAL_LENGTH = "buffer.length", 8
+_LENGTHS = ("dataport.inport.buffer.length", "dataport.buffer.length", "buffer.length")
+_USUAL_LENGTH = 8
 _AGAIN_S = 0.05
 """Pause of a channel whose writer does not answer, or is gone [s]."""
 _log = late(__name__)
@@ -53,6 +54,7 @@ class ChannelInPort(InPort[Any]):
 
         Raises:
             Refused: It is open already, or the port takes no more.
+            Malformed: A property cannot be read.
         """
         if not is_channel(connector.properties):
             super().open_pull(connector, source)
@@ -74,9 +76,9 @@ class ChannelInPort(InPort[Any]):
 
     def _length(self, connector: ConnectorProfile) -> int:
         """Return how many values are asked for before they are read."""
-        its = connector.properties.get(f"dataport.{_LENGTH}", "")
-        text = (its or self.properties.get(_LENGTH, "")).strip()
-        return int(text) if text.isdecimal() else _USUAL_LENGTH
+        stated = {**self.properties, **connector.properties}
+        key = next((each for each in _LENGTHS if stated.get(each, "").strip()), _LENGTHS[0])
+        return int(number_in(stated, key, _USUAL_LENGTH))
 
 
 @contextmanager

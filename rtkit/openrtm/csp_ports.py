@@ -12,7 +12,7 @@ from rtkit.component.options import PortStatus
 from rtkit.openrtm.absent import refuse
 from rtkit.openrtm.channel_in_port import ChannelInPort, reading
 from rtkit.openrtm.channel_out_port import ChannelOutPort
-from rtkit.openrtm.meeting import Meeting
+from rtkit.openrtm.meeting import Meeting, number_in
 from rtkit.openrtm.ports import InPort, OutPort, PortBase
 
 _TIMEOUT, _USUAL_TIMEOUT_S = "channel_timeout", 10.0
@@ -33,8 +33,7 @@ class CSPPort(PortBase):
     @property
     def timeout_s(self) -> float:
         """Longest wait [s]."""
-        text = str(self.port.properties.get(_TIMEOUT, "")).strip()
-        return float(text) if text.isdecimal() else _USUAL_TIMEOUT_S
+        return number_in(self.port.properties, _TIMEOUT, _USUAL_TIMEOUT_S)
 
     def setManager(self, manager: Any) -> None:
         """Belong to a manager from now on, while nothing is connected."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from threading import TIMEOUT_MAX, Condition
 from typing import TypeVar
 
 from rtkit.component.input_wait import check_input, ended_with_input, is_leaving
 from rtkit.component.waiting import waiting
+from rtkit.errors import Malformed
+from rtkit.rtc.connector_properties import finite
 
 CHANNELS = {
     "dataport.interface_type": "csp_channel,zenoh,direct,corba_cdr,data_service",
@@ -15,6 +17,19 @@ CHANNELS = {
 }
 """Properties of a port whose connectors may be channels."""
 T = TypeVar("T")
+
+
+def number_in(properties: Mapping[str, str], key: str, usual: float) -> float:
+    """Return a number of 0 or more that a property states, else the usual one.
+
+    Raises:
+        Malformed: It is none; names the key.
+    """
+    text = properties.get(key, "").strip()
+    number = finite(text) if text else usual
+    if number is None or number < 0:
+        raise Malformed(f"{key}={text}: not a number of 0 or more")
+    return number
 
 
 class Meeting:

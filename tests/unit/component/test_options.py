@@ -124,14 +124,14 @@ def test_what_is_unknown_passes():
     options = parse_options(
         {
             "dataport.subscription_type": "on_full_moon",
-            "dataport.dataflow_type": "duplex",
-            "dataport.interface_type": "csp_channel",
+            "dataport.dataflow_type": "sideways",
+            "dataport.interface_type": "pigeon",
             "my.key": "value",
         }
     )
     assert options.subscription == "new"
-    assert options.dataflow == "duplex"
-    assert options.interface == "csp_channel"
+    assert options.dataflow == "sideways"
+    assert options.interface == "pigeon"
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import pytest
 
 from rtkit.component.input_wait import InputEnded, allow_input, leave_input
 from rtkit.component.options import parse_options
+from rtkit.errors import Malformed
 from rtkit.openrtm.absent import NotSupported
 from rtkit.openrtm.csp_manager import CSPManager
 from rtkit.openrtm.csp_ports import CSPInPort, CSPOutPort
@@ -40,8 +41,8 @@ def in_port(length: int = 8, manager: CSPManager | None = None, **properties: st
     return made
 
 
-def join(out: CSPOutPort, into: CSPInPort, id: str = "wire") -> None:
-    connector = ConnectorProfile(id, id, (), CHANNEL)
+def join(out: CSPOutPort, into: CSPInPort, id: str = "wire", **properties: str) -> None:
+    connector = ConnectorProfile(id, id, (), CHANNEL | properties)
     into.port.open_pull(connector, out.port.open_pull(connector))
 
 
@@ -105,6 +106,30 @@ def test_without_a_reader_nothing_is_written_unbuffered() -> None:
     assert not into.select()
     into.port.properties.update(AT_ONCE)
     assert into.read() is None
+    part(out, into)
+
+
+def test_a_connector_may_say_how_much_room_there_is() -> None:
+    out, into = out_port(**AT_ONCE), in_port(8)
+    join(out, into, **{"dataport.inport.buffer.length": "0"})
+    assert not out.write(number(1))  # nobody reads
+    part(out, into)
+    with pytest.raises(Malformed, match=r"buffer\.length=many: not a number of 0 or more"):
+        join(out, into, **{"dataport.buffer.length": "many"})
+    assert parse_options(CHANNEL | {"dataport.buffer.length": "0"})
+    with pytest.raises(Malformed, match="not 1 to"):
+        parse_options({"dataport.buffer.length": "0"})
+
+
+def test_a_timeout_that_is_none_is_told() -> None:
+    out, into = out_port(channel_timeout="long"), in_port()
+    join(out, into)
+    told: list[str] = []
+    out.owner = SimpleNamespace(
+        rtkit_component=SimpleNamespace(instance="Csp0", report=told.append)
+    )
+    assert not out.writeData(number(1))
+    assert told == ["port out: not sent: channel_timeout=long: not a number of 0 or more"]
     part(out, into)
 
 
