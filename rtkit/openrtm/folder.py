@@ -18,7 +18,7 @@ from types import ModuleType
 from typing import Any
 
 from rtkit.openrtm.definitions import FolderDefinitions
-from rtkit.openrtm.names import shared_module
+from rtkit.openrtm.names import own_stub, shared_module
 from rtkit.openrtm.source import Compile, compiled
 
 _PREFIX = "rtkit_module_"
@@ -184,7 +184,7 @@ class ComponentFolder:
         return found
 
     def _elsewhere(self, full: str) -> ModuleType | None:
-        found = self._definitions.module_elsewhere(full)
+        found = own_stub(full) or self._definitions.module_elsewhere(full)
         if found is not None:
             self._modules[full] = found
         return found

@@ -70,6 +70,19 @@ _CORBA = {
 """Function of `rtkit.openrtm.corba` that finds the names of each module."""
 
 
+_OWN_FILES = (
+    *("BasicDataType", "ComponentObserver", "DataPort", "ExtendedDataTypes"),
+    *("InterfaceDataTypes", "OpenRTM", "RTC", "SDOPackage"),
+)
+"""IDL files of OpenRTM itself whose names are in `RTC`, `OpenRTM` and `SDOPackage`."""
+
+
+def own_stub(name: str) -> ModuleType | None:
+    """Return a module such as ``BasicDataType_idl``, which brings no names; None for others."""
+    file = name.removesuffix("_idl").removesuffix("_OpenRTM")
+    return ModuleType(name) if name.endswith("_idl") and file in _OWN_FILES else None
+
+
 @cache
 def shared_module(name: str) -> ModuleType | None:
     """Return a module of that name that is the same for all components; None for others."""

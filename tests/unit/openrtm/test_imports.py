@@ -57,6 +57,11 @@ def test_packages_beside_a_module_import_relatively(tmp_path: Path) -> None:
     assert made(write_component(tmp_path, "One", body, before=before)).servant.values == (7, 7)
 
 
+def test_stubs_of_the_files_of_openrtm_itself_are_there(tmp_path: Path) -> None:
+    before = "import RTC_idl, DataPort_OpenRTM_idl\nfrom BasicDataType_idl import *\nimport RTC\n"
+    assert made(write_component(tmp_path, "One", "kind = RTC.TimedLong", before=before))
+
+
 def test_tabs_among_spaces_reach_to_the_eighth_column(tmp_path: Path) -> None:
     file = write_component(tmp_path, "Tabs", "def value(self):\n    if True:\n        return 5")
     text = file.read_text(encoding="utf-8").replace("        if True", "\tif True")
