@@ -270,3 +270,23 @@ def test_values_are_asked_for(streams: tuple[LocalStreams, LocalStreams]) -> Non
     endpoint, _ = owner.answer(KEY, lambda: next(values))
     fetcher = asker.ask(endpoint, KEY, 5.0)
     assert [fetcher.fetch(5.0) for _ in range(3)] == [b"first", None, b"third"]
+
+
+@pytest.mark.parametrize("late", [b"late", None])
+def test_a_value_that_comes_late_is_not_lost(
+    streams: tuple[LocalStreams, LocalStreams], late: bytes | None
+) -> None:
+    owner, asker = streams
+    may_answer = threading.Event()
+    values = iter([late, b"next", b"last"])
+
+    def answer() -> bytes | None:
+        assert may_answer.wait(30.0)
+        return next(values)
+
+    endpoint, _ = owner.answer(KEY, answer)
+    fetcher = asker.ask(endpoint, KEY, 5.0)
+    assert fetcher.fetch(0.01) is None  # given up
+    may_answer.set()
+    found = [fetcher.fetch(30.0) for _ in range(3 if late else 2)]
+    assert found == [each for each in (late, b"next", b"last") if each]

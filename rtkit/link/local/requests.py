@@ -38,14 +38,17 @@ class _Requests:
         if not self._lock.acquire(timeout=max(timeout_s, 0.0)):
             raise TimeoutError
         try:
-            number = next(self._numbers)
-            self._send(request, number, until)
-            while True:
-                packet = self._receive(until)
-                if packet.number == number:  # another one is too late
-                    return packet
+            return self._exchange(request, until)
         finally:
             self._lock.release()
+
+    def _exchange(self, request: bytes, until: float) -> Packet:
+        number = next(self._numbers)
+        self._send(request, number, until)
+        while True:
+            packet = self._receive(until)
+            if packet.number == number:  # another one is too late
+                return packet
 
     def _send(self, request: bytes, number: int, until: float) -> None:
         while True:
@@ -78,7 +81,15 @@ class _Requests:
 
 
 class LocalFetcher(_Requests, Fetcher):
-    """Asking end of one pull stream."""
+    """Asking end of one pull stream.
+
+    Only one question is open at a time: the answer to one that was given up may be a value, which
+    its writer has no more. It is the answer to the next question then.
+    """
+
+    def __init__(self, channel: Channel) -> None:
+        super().__init__(channel)
+        self._is_open = False
 
     def fetch(self, timeout_s: float) -> Octets | None:
         """See `Fetcher.fetch`."""
@@ -87,6 +98,17 @@ class LocalFetcher(_Requests, Fetcher):
         except OSError:
             return None
         return None if packet.kind == LOST else packet.value
+
+    def _exchange(self, request: bytes, until: float) -> Packet:
+        is_late = self._is_open
+        if not is_late:
+            self._send(request, next(self._numbers), until)
+            self._is_open = True
+        packet = self._receive(until)
+        self._is_open = False
+        if is_late and packet.kind == LOST:  # there was none at that time
+            return self._exchange(request, until)
+        return packet
 
 
 class LocalCaller(CallerEnd):
