@@ -338,9 +338,9 @@ def failure_in(file: str, error: BaseException) -> str:
             line = trace.tb_lineno
         trace = trace.tb_next
     from rtkit.extras import hint
-    from rtkit.openrtm.python2 import python2_hint
+    from rtkit.openrtm.age_hint import age_hint
 
-    reason = f": {error}{hint(error) or python2_hint(error, file)}" if str(error) else ""
+    reason = f": {error}{hint(error) or age_hint(error, file)}" if str(error) else ""
     return f"{type(error).__name__}{reason} ({file}:{line or 1})"
 
 

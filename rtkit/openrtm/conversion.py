@@ -4,28 +4,36 @@ from __future__ import annotations
 
 import ast
 import warnings
+from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 from rtkit.errors import Malformed, Refused
-from rtkit.openrtm.edits import Remark, edited
+from rtkit.openrtm.edits import as_python2_meant, without_losses
 from rtkit.openrtm.integers import note_parents
+from rtkit.openrtm.keyword_names import FreedNames, with_free_names
+from rtkit.openrtm.lost_names import losses
+from rtkit.openrtm.package_imports import is_beside, sibling_imports
 from rtkit.openrtm.python2 import SignOfPython2, sign_of_python2
-from rtkit.openrtm.python2_names import signs_in
+from rtkit.openrtm.python2_names import PRINT_STATEMENT, IsBeside, signs_in
 from rtkit.openrtm.source import encoded, read_source, with_spaces
+from rtkit.openrtm.source_edits import Remark
 
 _FIXES = "fissix.fixes"
-_LEFT_OUT = frozenset({"buffer", "idioms", "import", "set_literal", "ws_comma"})
-"""Fixers that are matters of taste; and that of imports: siblings of a component are no package."""
+_LEFT_OUT = frozenset({"buffer", "idioms", "import", "imports", "set_literal", "ws_comma"})
+"""Fixers that are matters of taste; and those of imports, which know no siblings."""
+_OWN = "rtkit.openrtm.fixes.fix_modules"
 
 
 class ConvertedSource(NamedTuple):
-    """A source that was Python 2.
+    """A source of Python 2, or of an older version of 3.
 
     Attributes:
         before: The text before, with spaces for tabs of indentation where these had to go.
-        after: The text as Python 3.
+        after: The text as Python 3; the same where nothing can be mended for certain.
         data: The same as bytes.
-        sign: What showed that it was Python 2.
+        sign: What showed that it was old.
+        is_python2: It was Python 2.
         remarks: What a person should look at.
         has_spaces: Tabs of indentation had to become spaces.
     """
@@ -34,52 +42,124 @@ class ConvertedSource(NamedTuple):
     after: str
     data: bytes
     sign: SignOfPython2
+    is_python2: bool
     remarks: tuple[Remark, ...]
     has_spaces: bool
 
+    @property
+    def is_changed(self) -> bool:
+        """Return whether there is anything to write."""
+        return self.before != self.after
 
-def converted(source: bytes, file: str) -> ConvertedSource | None:
-    """Return a source as Python 3; None where it is no Python 2, or not known to be.
+
+def converted(source: bytes, file: str, *, is_in_package: bool = False) -> ConvertedSource | None:
+    """Return a source as Python 3; None where there is nothing to do, or to look at.
+
+    Args:
+        source: What the file holds.
+        file: Its name, for errors; siblings are looked for beside it.
+        is_in_package: It is imported as a part of a package.
 
     Raises:
         Malformed: It is Python of no version; or what becomes of it would not compile.
         Refused: What converts it is not installed; names the command that installs it.
     """
     read = read_source(source)
-    text = read.text.replace("\r\n", "\n")
-    tree = _parsed(with_spaces(text), file)
-    sign = _sign(tree, text, file)
-    if sign is None:
+    before = read.text.replace("\r\n", "\n")
+    beside = partial(is_beside, file)
+    freed = with_free_names(before) if _is_broken(before, file) else FreedNames(before)
+    tree = _parsed(with_spaces(freed.text), file)
+    signs = _signs(tree, freed.text, file, beside)
+    draft = _as_python3(freed.text, file, signs, is_broken=isinstance(tree, SyntaxError))
+    result, data = _compiled(draft.after, file), draft.after.encode()
+    found = list(losses(result, data, beside))
+    found += sibling_imports(result, data, beside) if is_in_package else ()
+    after, more = without_losses(draft.after, found)
+    more += _left(_compiled(after, file), beside, more) if signs else ()
+    if draft.has_spaces:
+        before = with_spaces(before)
+    if after == before and not more:
         return None
-    is_statement = isinstance(tree, SyntaxError)
-    made = _refactored(text, file, has_print_statement=is_statement)
-    has_spaces = isinstance(_parsed(made, file), SyntaxError)
+    lost = [SignOfPython2(each.line, each.what) for each in found]
+    lost += [SignOfPython2(line, "async or await as a name") for line in freed.lines]
+    whole = after.replace("\n", "\r\n") if "\r\n" in read.text else after
+    remarks = tuple(sorted({*freed.remarks, *draft.remarks, *more}))
+    return ConvertedSource(
+        before,
+        after,
+        encoded(read, whole),
+        min(signs or lost),
+        bool(signs),
+        remarks,
+        draft.has_spaces,
+    )
+
+
+def _left(tree: ast.Module, is_beside: IsBeside, known: Sequence[Remark]) -> Iterator[Remark]:
+    """Yield what of Python 2 nothing has converted, but for the lines that are known already."""
+    note_parents(tree)
+    lines = {each.line for each in known}
+    for line, what in signs_in(tree, is_beside):
+        if line not in lines:
+            yield Remark(line, f"{what} is Python 2")
+
+
+class _Draft(NamedTuple):
+    """A source as Python 3, but for names that are lost."""
+
+    after: str
+    remarks: list[Remark]
+    has_spaces: bool
+
+
+def _as_python3(text: str, file: str, signs: Sequence[SignOfPython2], *, is_broken: bool) -> _Draft:
+    if not signs:
+        has_spaces = _is_broken(text, file)
+        return _Draft(with_spaces(text) if has_spaces else text, [], has_spaces)
+    has_statement = any(each.what == PRINT_STATEMENT for each in signs)
+    prints = is_broken or (has_statement and "print_function" not in text)
+    made = _refactored(text, file, has_print_statement=prints)
+    has_spaces = _is_broken(made, file)
     if has_spaces:
-        text = with_spaces(text)
-        made = _refactored(text, file, has_print_statement=is_statement)
-    result = _parsed(made, file)
-    if isinstance(result, SyntaxError):
-        why = f"{result.msg} ({file}:{result.lineno})"
-        raise Malformed(f"{file} cannot be converted; its Python 3 would not compile: {why}")
+        made = _refactored(with_spaces(text), file, has_print_statement=prints)
     divides_whole = "from __future__ import division" not in text
-    made, remarks = edited(made, result, divides_whole=divides_whole)
-    whole = made.replace("\n", "\r\n") if "\r\n" in read.text else made
-    return ConvertedSource(text, made, encoded(read, whole), sign, tuple(remarks), has_spaces)
+    result = _compiled(made, file)
+    made, remarks = as_python2_meant(made, result, divides_whole=divides_whole)
+    return _Draft(made, remarks, has_spaces)
 
 
-def _sign(tree: ast.Module | SyntaxError, text: str, file: str) -> SignOfPython2 | None:
-    """Return what shows that a source is Python 2; None for nothing.
+def _signs(
+    tree: ast.Module | SyntaxError, text: str, file: str, is_beside: IsBeside
+) -> list[SignOfPython2]:
+    """Return what shows that a source is Python 2.
 
     Raises:
         Malformed: It does not compile, and is no Python 2 either.
     """
     if isinstance(tree, ast.Module):
         note_parents(tree)
-        return next(iter(signs_in(tree)), None)
+        return signs_in(tree, is_beside)
     sign = sign_of_python2(text, tree.lineno or 1)
     if sign is None:
         raise Malformed(f"SyntaxError: {tree.msg} ({file}:{tree.lineno or 1})")
-    return sign
+    return [sign]
+
+
+def _is_broken(text: str, file: str) -> bool:
+    return isinstance(_parsed(text, file), SyntaxError)
+
+
+def _compiled(text: str, file: str) -> ast.Module:
+    """Return what was made of a source.
+
+    Raises:
+        Malformed: It does not compile.
+    """
+    tree = _parsed(text, file)
+    if isinstance(tree, SyntaxError):
+        why = f"{tree.msg} ({file}:{tree.lineno or 1})"
+        raise Malformed(f"{file} cannot be converted; its Python 3 would not compile: {why}")
+    return tree
 
 
 def _parsed(text: str, file: str) -> ast.Module | SyntaxError:
@@ -115,7 +195,7 @@ def _refactored(text: str, file: str, *, has_print_statement: bool) -> str:
         for each in get_fixers_from_package(_FIXES)
         if each.rpartition(".fix_")[2] not in left_out
     ]
-    tool: Any = RefactoringTool(fixers, {"print_function": not has_print_statement})
+    tool: Any = RefactoringTool([*fixers, _OWN], {"print_function": not has_print_statement})
     try:
         tree = tool.refactor_string(text if text.endswith("\n") else f"{text}\n", file)
     except (ParseError, IndentationError) as error:

@@ -1,4 +1,4 @@
-"""Migrates files from Python 2 to Python 3, with the files beside them that they import.
+"""Migrates files from older versions of Python, with the files beside them that they import.
 
 All are converted before any is written; where one cannot be written, the others are put back.
 """
@@ -26,11 +26,11 @@ _KEPT = ".orig"
 
 
 class MigratedFile(NamedTuple):
-    """A file that is Python 2.
+    """A file that is of an older Python.
 
     Attributes:
         path: Where it is.
-        source: The file as Python 3.
+        source: The file as the Python of today has it.
         beside: It was not named, but is imported by a file that was.
     """
 
@@ -40,10 +40,17 @@ class MigratedFile(NamedTuple):
 
 
 class Migration(NamedTuple):
-    """Files that were looked at, and those of them that are to be migrated."""
+    """Files that were looked at, and those of them that are to be migrated.
+
+    Attributes:
+        looked_at: Paths of all.
+        files: Those that are to be written.
+        others: Those in which nothing can be mended for certain, but a person should look.
+    """
 
     looked_at: tuple[str, ...]
     files: tuple[MigratedFile, ...]
+    others: tuple[MigratedFile, ...] = ()
 
 
 def plan_migration(paths: Iterable[str]) -> Migration:
@@ -56,18 +63,28 @@ def plan_migration(paths: Iterable[str]) -> Migration:
     """
     named = [os.path.normpath(path) for path in paths]
     looked_at: dict[str, bytes] = {}
+    packages: set[str] = set()
     waiting = list(dict.fromkeys(named))
     while waiting:
         path = waiting.pop(0)
         if path not in looked_at:
             looked_at[path] = content_of(path)
-            waiting += imported_files(looked_at[path], path)
-    files = []
+            imported = list(imported_files(looked_at[path], path))
+            packages |= {*map(os.path.dirname, imported)} - {os.path.dirname(path)}
+            waiting += imported
+    found = []
     for path, content in looked_at.items():
-        source = converted(content, path)
+        is_in_package = os.path.dirname(path) in packages and _is_package(os.path.dirname(path))
+        source = converted(content, path, is_in_package=is_in_package)
         if source is not None:
-            files.append(MigratedFile(path, source, path not in named))
-    return Migration(tuple(looked_at), tuple(files))
+            found.append(MigratedFile(path, source, path not in named))
+    files = tuple(each for each in found if each.source.is_changed)
+    others = tuple(each for each in found if not each.source.is_changed)
+    return Migration(tuple(looked_at), files, others)
+
+
+def _is_package(folder: str) -> bool:
+    return os.path.isfile(os.path.join(folder, "__init__.py"))
 
 
 def imported_files(content: bytes, path: str) -> Iterator[str]:

@@ -14,6 +14,8 @@ TOKEN = re.compile(
     re.DOTALL,
 )
 """A comment or a text, in a source of any version."""
+KEYWORD_AS_NAME = r"\basync\b(?![ \t]+(?:def|for|with)\b)|\bawait\b(?=[ \t]*(?:[=.,:)\]}]|$))"
+"""A name that is a keyword since Python 3.7, in a source without comments and texts."""
 _SIGNS = tuple(
     (re.compile(pattern, re.MULTILINE), what)
     for pattern, what in (
@@ -29,15 +31,18 @@ _SIGNS = tuple(
         (r"(?<![\w.])(?:0[xX][0-9a-fA-F]+|\d+)[lL]\b", "a long number"),
         (r"\b[uU][rR](?=[\"'])", "a text with ur"),
         (r"\bdef[ \t]+\w+[ \t]*\([^\n]*\([ \t]*\w+[ \t]*,[^\n()]*\)", "a tuple as parameter"),
+        (KEYWORD_AS_NAME, "async or await as a name"),
     )
 )
 RENAMED = frozenset(
     {
-        "BaseHTTPServer", "ConfigParser", "Cookie", "HTMLParser", "Queue", "SimpleHTTPServer",
-        "SocketServer", "StringIO", "Tkinter", "__builtin__", "cPickle", "cStringIO", "cookielib",
-        "copy_reg", "dummy_thread", "httplib", "thread", "tkColorChooser", "tkCommonDialog",
-        "tkFileDialog", "tkFont", "tkMessageBox", "tkSimpleDialog", "urllib2", "urlparse",
-        "xmlrpclib",
+        "BaseHTTPServer", "CGIHTTPServer", "ConfigParser", "Cookie", "DocXMLRPCServer",
+        "FileDialog", "HTMLParser", "Queue", "ScrolledText", "SimpleDialog", "SimpleHTTPServer",
+        "SimpleXMLRPCServer", "SocketServer", "StringIO", "Tix", "Tkconstants", "Tkinter",
+        "__builtin__", "_winreg", "cPickle", "cStringIO", "commands", "cookielib", "copy_reg",
+        "dummy_thread", "htmlentitydefs", "httplib", "robotparser", "thread", "tkColorChooser",
+        "tkCommonDialog", "tkFileDialog", "tkFont", "tkMessageBox", "tkSimpleDialog", "ttk",
+        "urllib2", "urlparse", "xmlrpclib",
     }
 )  # fmt: skip
 """Modules that have another name in Python 3."""
@@ -66,7 +71,7 @@ def sign_of_python2(text: str, line: int = 0) -> SignOfPython2 | None:
 
     The sign nearest to the line of the error is returned.
     """
-    bare = _without_texts(text)
+    bare = without_texts(text)
     found = [
         SignOfPython2(bare.count("\n", 0, match.end()) + 1, what)
         for pattern, what in _SIGNS
@@ -89,13 +94,7 @@ def is_python2_error(error: BaseException) -> str:
     return ""
 
 
-def python2_hint(error: BaseException, file: str) -> str:
-    """Return how a running source that is Python 2 is converted, with a colon before; else ""."""
-    what = is_python2_error(error)
-    return f": {what} is Python 2, which rtkit openrtm migrate {file} converts" if what else ""
-
-
-def _without_texts(text: str) -> str:
+def without_texts(text: str) -> str:
     """Return a source without comments, with empty texts; numbers of lines stay."""
 
     def blank(match: re.Match[str]) -> str:

@@ -81,6 +81,13 @@ def test_python_2_is_named_as_such(tmp_path: Path) -> None:
         Loader([]).load(str(file))
 
 
+def test_what_older_versions_of_python_had_is_told_with_its_mend(tmp_path: Path) -> None:
+    for name, code in (("One", "import time\ntime.clock()\n"), ("Two", "import commands\n")):
+        file = write_component(tmp_path, name, "pass", before=code)
+        with pytest.raises(Refused, match=f"rtkit openrtm migrate {file} "):
+            Loader([]).load(str(file))
+
+
 def test_a_file_beside_the_module_is_read_by_its_name(tmp_path: Path) -> None:
     (tmp_path / "words.txt").write_text("hello", encoding="utf-8")
     body = "with open('words.txt') as file:\n    text = file.read()"

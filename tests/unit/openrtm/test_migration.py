@@ -57,6 +57,13 @@ def test_a_file_is_migrated_with_what_it_imports(folder: Path) -> None:
     assert plan_migration(["Main.py"]).files == ()
 
 
+def test_modules_of_a_package_import_siblings_with_a_dot(folder: Path) -> None:
+    (folder / "pkg" / "inner.py").write_text("import other\nimport far\n", encoding="utf-8")
+    (found,) = (each for each in plan_migration(["Main.py"]).files if "inner" in each.path)
+    assert found.source.after == "from . import other\nimport far\n"
+    assert plan_migration(["pkg/inner.py"]).files == (), "its folder may be one of components"
+
+
 def test_originals_that_are_kept_already_stay(folder: Path) -> None:
     (folder / "comment.py.orig").write_text("mine", encoding="utf-8")
     assert migrate(plan_migration(["comment.py"])) == {
@@ -124,6 +131,27 @@ def test_the_command_shows_changes_and_tells_what_became_of_each(
     assert records[0]["original"] == str(folder / "near.py.orig")
     assert run(["migrate", "near.py"]) == 0
     assert "nothing to do: 6 files are Python 3" in capsys.readouterr().err
+
+
+def test_the_command_tells_what_nobody_can_mend_for_certain(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = "import threading, time\nx.isAlive()\n"
+    (folder / "alive.py").write_text(text, encoding="utf-8")
+    run = load("rtopenrtm")
+    assert run(["migrate", "alive.py"]) == 0
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err.splitlines()[0].endswith("alive.py:2: look at it: threads have is_alive in"
+                                             " place of isAlive since Python 3.9")  # fmt: skip
+    assert "nothing to do: 1 file is Python 3" in told.err
+    assert not (folder / "alive.py.orig").exists()
+    assert run(["migrate", "--json", "alive.py"]) == 0
+    (record,) = jsonrecords.checked(capsys.readouterr().out)
+    assert (record["changes"], record["original"], record["why"]) == ([], None, "isAlive")
+    (folder / "alive.py").write_text(f"{text}time.clock()\n", encoding="utf-8")
+    assert run(["migrate", "alive.py"]) == 0
+    assert "alive.py (an older Python: isAlive, line 2): converted" in capsys.readouterr().err
 
 
 def test_the_command_names_what_it_cannot_read(

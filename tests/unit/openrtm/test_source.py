@@ -4,7 +4,8 @@ import pytest
 from openrtm_corpus import COMPONENTS, needs_components, sources
 
 from rtkit.errors import Refused
-from rtkit.openrtm.python2 import is_python2_error, python2_hint, sign_of_python2
+from rtkit.openrtm.age_hint import age_hint
+from rtkit.openrtm.python2 import is_python2_error, sign_of_python2
 from rtkit.openrtm.source import compiled, declared_encoding, mended
 
 MIXED = b'def f():\n\ttext = """a\n\tb"""\n        return text\n'
@@ -116,10 +117,10 @@ def test_errors_of_python_2_names_are_known():
     with pytest.raises(TypeError) as caught_type:
         exec("[None] * (4 / 2)", {})
     assert is_python2_error(caught_type.value) == "/ between whole numbers"
-    assert python2_hint(missing.value, "A.py") == (
+    assert age_hint(missing.value, "A.py") == (
         ": module ConfigParser is Python 2, which rtkit openrtm migrate A.py converts"
     )
-    assert python2_hint(ValueError("x"), "A.py") == ""
+    assert age_hint(ValueError("x"), "A.py") == ""
 
 
 @needs_components

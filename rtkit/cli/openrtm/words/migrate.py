@@ -1,4 +1,4 @@
-"""``rtopenrtm migrate``: convert sources from Python 2 to Python 3."""
+"""``rtopenrtm migrate``: convert sources of older versions of Python."""
 
 from __future__ import annotations
 
@@ -39,8 +39,10 @@ def main(
     it is, so a second time there is nothing to do.
 
     What 2to3 converts is converted by fissix; beyond that, whole numbers are divided as Python 2
-    did where both are certainly whole, unicode(x, ENCODING) takes x that is text already, and names
-    that configparser has no more are replaced. What a person should look at is told, with its line.
+    did where both are certainly whole, and unicode(x, ENCODING) takes x that is text already.
+    In files of Python 2 and of older versions of 3 names that Python has lost since are replaced
+    (time.clock, inspect.getargspec, string.join, collections.Mapping, async as a name ...), and in
+    packages siblings are imported with a dot. What a person should look at is told, with its line.
     """
     from rtkit.openrtm.migration import migrate, plan_migration
 
@@ -48,7 +50,9 @@ def main(
         raise Malformed("No file specified.")
     plan = plan_migration(paths)
     kept = {} if is_dry else migrate(plan)
-    for each in plan.files:
+    for each in sorted(
+        (*plan.files, *plan.others), key=lambda each: plan.looked_at.index(each.path)
+    ):
         original = kept.get(each.path, "")
         if is_json:
             terminal.write([json_records.line("migrated-file", _record(each, original))])
@@ -68,12 +72,14 @@ def _changes(file: MigratedFile) -> Iterator[str]:
 
 
 def _report(app: App, file: MigratedFile, original: str) -> None:
-    sign = file.source.sign
-    why = f"Python 2: {sign.what}, line {sign.line}"
+    source, sign = file.source, file.source.sign
+    version = "Python 2" if source.is_python2 else "an older Python"
+    why = f"{version}: {sign.what}, line {sign.line}"
     whose = "; imported by the others" if file.beside else ""
     fate = f"converted; the original is {original}" if original else "would be converted"
-    fate += "; tabs of indentation become spaces" * file.source.has_spaces
-    app.fail(f"{file.path} ({why}{whose}): {fate}")
+    fate += "; tabs of indentation become spaces" * source.has_spaces
+    if source.is_changed:
+        app.fail(f"{file.path} ({why}{whose}): {fate}")
     for remark in file.source.remarks:
         app.fail(f"{file.path}:{remark.line}: look at it: {remark.text}")
 
