@@ -31,7 +31,8 @@ class DrivenThread:
     Attributes:
         grant: Grants the present callback more time [ns].
         owed_ns: Waits that are over and were not granted yet [ns].
-        idle_ns: Waits for people that are over: no work, and no period was missed by them [ns].
+        idle_ns: Waits for people, or for one another, that are over: no work, and no period was
+            missed by them [ns].
     """
 
     __slots__ = ("grant", "idle_ns", "owed_ns")
@@ -42,7 +43,7 @@ class DrivenThread:
         self.idle_ns = 0
 
     def take_idle_ns(self) -> int:
-        """Return how long people were waited for since this was asked last [ns]."""
+        """Return how long it was idle since this was asked last [ns]."""
         idle_ns, self.idle_ns = self.idle_ns, 0
         return idle_ns
 
@@ -60,8 +61,11 @@ def grant_by(grant: Callable[[int], object] | None) -> DrivenThread | None:
 
 
 @contextmanager
-def waiting(bound_s: float) -> Iterator[None]:
-    """Grant the present callback a wait of at most `bound_s` [s]."""
+def waiting(bound_s: float, *, is_idle: bool = False) -> Iterator[None]:
+    """Grant the present callback a wait of at most `bound_s` [s].
+
+    No period counts as missed by one that is idle.
+    """
     driven = _driven.get(get_ident())
     if driven is None or bound_s > _LONGEST_S:
         yield
@@ -71,7 +75,10 @@ def waiting(bound_s: float) -> Iterator[None]:
     try:
         yield
     finally:
-        driven.grant(time.monotonic_ns() - began_ns - granted_ns)
+        waited_ns = time.monotonic_ns() - began_ns
+        driven.grant(waited_ns - granted_ns)
+        if is_idle:
+            driven.idle_ns += waited_ns
 
 
 @contextmanager

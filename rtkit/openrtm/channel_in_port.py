@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -59,15 +60,20 @@ class ChannelInPort(InPort[Any]):
         if not is_channel(connector.properties):
             super().open_pull(connector, source)
             return
+        length = self._length(connector)
+        ring = ChannelRing(self, source, length, lambda: self._keep(connector, ring))
+        self._wire(connector, ring)
+        start_thread(ring.fill, f"channel {connector.connector_id}")
+
+    def _wire(self, connector: ConnectorProfile, ring: ChannelRing) -> None:
+        """Have the values of a channel read, and its listeners told."""
         id = connector.connector_id
-        ring = _Ring(self, source, self._length(connector), lambda: self._keep(connector, ring))
         self._add(connector, ring, EmptyPolicy.DO_NOTHING)
         self._renewals[id] = (ring, ring.use)
         self.renew(id)
-        start_thread(ring.fill, f"channel {id}")
         self._notify(ConnectorEvent.CONNECTED, connector)
 
-    def _keep(self, connector: ConnectorProfile, ring: _Ring) -> None:
+    def _keep(self, connector: ConnectorProfile, ring: ChannelRing) -> None:
         """Have what came while a channel was closed read, too: its writer was told so."""
         with self._lock:
             if all(each is not ring for _, each in self._left):
@@ -96,7 +102,7 @@ def reading(*ports: ChannelInPort) -> Iterator[None]:
                 each.readers -= 1
 
 
-class _Ring(GuardedRing[Any]):
+class ChannelRing(GuardedRing[Any]):
     """The values of one channel that were not read yet, and the thread that asks for more.
 
     One of length 0 asks while somebody waits for a value, and the port has none.
@@ -123,6 +129,10 @@ class _Ring(GuardedRing[Any]):
     def use(self, sink: Sink[Any]) -> None:
         """Give values that come to another sink from now on."""
         self._sink = sink
+
+    def share(self, items: deque[Any]) -> None:
+        """Have the room depend on what is in a queue that the sink fills."""
+        self._items = items
 
     def fill(self) -> None:
         """Ask, whenever there is room, until this is closed."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rtkit.openrtm.channel_in_port import reading
-from rtkit.openrtm.csp_ports import CSPInPort, CSPOutPort, CSPPort
+from rtkit.openrtm.csp_ports import CSPOutPort, CSPPort, CSPReader
 from rtkit.openrtm.meeting import Meeting
 
 
@@ -20,14 +20,14 @@ class CSPManager:
         self.meeting = Meeting()
         self._ports: list[CSPPort] = []
 
-    def select(self, timeout: float) -> tuple[bool, CSPOutPort | None, CSPInPort | None]:
+    def select(self, timeout: float) -> tuple[bool, CSPOutPort | None, CSPReader | None]:
         """Return whether a port can exchange a value, and that port as the second or the third.
 
         It waits for one, so long at most [s]; those that were chosen before have their turn last.
         """
         ports = list(self._ports)
         instance = next((each.instance for each in ports if each.instance), "")
-        with reading(*(each.port for each in ports if isinstance(each, CSPInPort))):
+        with reading(*(each.port for each in ports if isinstance(each, CSPReader))):
             find = lambda: next((each for each in ports if each.select()), None)  # noqa: E731
             found = self.meeting.wait(find, timeout, instance)
         if found is None:
@@ -36,7 +36,7 @@ class CSPManager:
         self._ports.append(found)
         if isinstance(found, CSPOutPort):
             return True, found, None
-        return True, None, found if isinstance(found, CSPInPort) else None
+        return True, None, found if isinstance(found, CSPReader) else None
 
     def add(self, port: CSPPort) -> None:
         """Choose among one port more."""
@@ -58,7 +58,7 @@ class CSPManager:
 
     def selectInPort(self) -> tuple[bool, Any]:
         """Return whether one of its in ports has a value, and which; do not wait."""
-        return self._ready(CSPInPort)
+        return self._ready(CSPReader)
 
     def selectOutPort(self) -> tuple[bool, Any]:
         """Return whether somebody waits for a value of one of its out ports, and which."""

@@ -72,7 +72,31 @@ class CSPPort(PortBase):
         return self.select()
 
 
-class CSPInPort(CSPPort, InPort):
+class CSPReader(CSPPort):
+    """Base of ports that take values whose writers wait for that."""
+
+    def select(self) -> bool:
+        """Return whether a value is there."""
+        return bool(self.port.is_new())
+
+    def readData(self) -> Any:
+        """Return what was not read yet, without waiting."""
+        raise NotImplementedError
+
+    def read(self, name: str | None = None) -> Any:
+        """Return the next value, after waiting for it; None when none comes in time.
+
+        It waits for ``channel_timeout`` of the port [s], and not while it has no connector.
+        """
+        with reading(self.port):
+            self.port.meeting.wait(self._is_done, self.timeout_s, self.instance)
+        return self.readData() if self.port.is_new() else None
+
+    def _is_done(self) -> bool:
+        return self.select() or not self.isConnected()
+
+
+class CSPInPort(CSPReader, InPort):
     """A port that takes values whose writers wait for that."""
 
     port: ChannelInPort
@@ -82,25 +106,9 @@ class CSPInPort(CSPPort, InPort):
         super().__init__(name, value)
         self.setManager(manager)
 
-    def select(self) -> bool:
-        """Return whether a value is there."""
-        return self.port.is_new()
-
     def readData(self) -> Any:
         """Return the oldest value not read yet, without waiting; else the last one."""
-        return super().read()
-
-    def read(self, name: str | None = None) -> Any:
-        """Return the next value, after waiting for it; None when none comes in time.
-
-        It waits for ``channel_timeout`` of the port [s], and not while it has no connector.
-        """
-        with reading(self.port):
-            self.port.meeting.wait(self._is_done, self.timeout_s, self.instance)
-        return super().read() if self.port.is_new() else None
-
-    def _is_done(self) -> bool:
-        return self.port.is_new() or not self.isConnected()
+        return InPort.read(self)
 
 
 class CSPOutPort(CSPPort, OutPort):

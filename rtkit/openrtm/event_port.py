@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 from rtkit.component.fsm import EventPort
 from rtkit.openrtm.ports import PortBase
@@ -19,10 +19,11 @@ class EventInPort(PortBase):
     """
 
     port: EventPort
+    port_class: ClassVar[type[EventPort]] = EventPort
 
     def __init__(self, name: str, fsm: Machine, *_: Any, **__: Any) -> None:
         super().__init__(name)
-        self.port = EventPort(name)
+        self.port = self.port_class(name)
         self._makers: dict[str, Callable[[Any], Event]] = {}
         fsm.sources.append(self._take)
 

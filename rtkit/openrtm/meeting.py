@@ -62,7 +62,7 @@ class Meeting:
             InputEnded: The component is to be deactivated or ended, and nothing was found.
         """
         bound_s = min(max(timeout_s, 0.0), TIMEOUT_MAX)
-        with ended_with_input(instance, self), waiting(bound_s), self.changed:
+        with ended_with_input(instance, self), waiting(bound_s, is_idle=True), self.changed:
             self.changed.wait_for(lambda: find() or is_leaving(instance), bound_s)
             found = find()
         if not found:

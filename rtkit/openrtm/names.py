@@ -46,6 +46,8 @@ _HOME = {
 }
 _MODULE_OF = {name: module for module, names in _HOME.items() for name in names.split()}
 _SUBMODULES = {
+    "CSPEventPort": "csp_events",
+    "CSPMachine": "csp_events",
     "CORBA_SeqUtil": "sequence_util",
     "EventPort": "event_port",
     "EventPort_pyfsm": "event_port",

@@ -12,7 +12,6 @@ from openrtm_corpus import COMPONENTS, needs_components
 
 _EXAMPLES = "OpenRTM__OpenRTM-aist-Python/OpenRTM_aist/examples/CSPStaticFsmSample"
 REFUSED = {
-    f"{_EXAMPLES}/Microwave.py": "OpenRTM_aist.CSPMachine of OpenRTM-aist is not supported",
     # It imports MicrowaveFsm_pyfsm and then says MicrowaveFsm.
     f"{_EXAMPLES}/Microwave_pyfsm.py": "NameError: name 'MicrowaveFsm' is not defined",
     # Its ini file was not published.

@@ -8,6 +8,7 @@ import pytest
 
 from rtkit.component import waiting
 from rtkit.component.waiting import grant_by, wait_for
+from rtkit.component.waiting import waiting as waiting_for
 
 LONG_S = 3000.0
 
@@ -87,3 +88,11 @@ def test_who_is_driven_by_nobody_waits_all_the_same():
     assert wait_for(wakeup.wait, 0.001) <= 0
     wakeup.set()
     assert wait_for(wakeup.wait, 1.0) > 0
+
+
+@pytest.mark.parametrize("is_idle", [False, True])
+def test_an_idle_wait_is_no_work(clock, is_idle):
+    driven = grant_by([].append)
+    with waiting_for(10.0, is_idle=is_idle):
+        clock.now_ns += 2_000_000_000
+    assert driven.take_idle_ns() == (2_000_000_000 if is_idle else 0)

@@ -13,14 +13,30 @@ from rtkit.component.input_wait import InputEnded, allow_input, leave_input
 from rtkit.component.options import parse_options
 from rtkit.errors import Malformed
 from rtkit.openrtm.absent import NotSupported
+from rtkit.openrtm.csp_events import CSPEventPort, CSPMachine
 from rtkit.openrtm.csp_manager import CSPManager
-from rtkit.openrtm.csp_ports import CSPInPort, CSPOutPort
+from rtkit.openrtm.csp_ports import CSPInPort, CSPOutPort, CSPReader
+from rtkit.openrtm.names import shared_module
 from rtkit.openrtm.standard_types import rtc_value
+from rtkit.openrtm.static_fsm import FSM_TOPSTATE, Link
 from rtkit.rtc.profiles import ConnectorProfile
 
 CHANNEL = {"dataport.dataflow_type": "duplex", "dataport.interface_type": "csp_channel"}
 FOR_EVER = {"channel_timeout": "3000"}
 AT_ONCE = {"channel_timeout": "0"}
+
+
+@FSM_TOPSTATE
+class Top(Link):
+    """A state that notes what it is told."""
+
+    def add(self, value: Any) -> None:
+        """Note a value."""
+        self._rtComponent.append(value.data)
+
+    def clear(self) -> None:
+        """Note that there was none."""
+        self._rtComponent.append("clear")
 
 
 def number(data: int = 0) -> Any:
@@ -41,12 +57,12 @@ def in_port(length: int = 8, manager: CSPManager | None = None, **properties: st
     return made
 
 
-def join(out: CSPOutPort, into: CSPInPort, id: str = "wire", **properties: str) -> None:
+def join(out: CSPOutPort, into: CSPReader, id: str = "wire", **properties: str) -> None:
     connector = ConnectorProfile(id, id, (), CHANNEL | properties)
     into.port.open_pull(connector, out.port.open_pull(connector))
 
 
-def part(out: CSPOutPort, into: CSPInPort, id: str = "wire") -> None:
+def part(out: CSPOutPort, into: CSPReader, id: str = "wire") -> None:
     into.port.close(id)
     out.port.detach(id)
 
@@ -237,3 +253,60 @@ def test_another_manager_is_for_ports_that_are_not_connected() -> None:
     part(out, into)
     manager.reset()
     assert manager.select(0) == (False, None, None)
+
+
+def event_port(notes: list[Any], manager: CSPManager) -> tuple[CSPMachine, CSPEventPort]:
+    fsm = CSPMachine(Top, notes, manager)
+    port = CSPEventPort("event", fsm, manager)
+    port.port.properties.update(FOR_EVER | {"buffer.length": "1"})
+    port.bindEvent1("add", Top.add, number())
+    port.bindEvent0("clear", Top.clear)
+    return fsm, port
+
+
+def test_a_machine_takes_the_events_of_its_channels() -> None:
+    notes: list[Any] = []
+    manager = CSPManager()
+    fsm, port = event_port(notes, manager)
+    outs = {"add": out_port(), "clear": out_port()}
+    for name, out in outs.items():
+        join(out, port, name, fsm_event_name=name)
+    assert fsm.run_event(0) is None
+    assert outs["add"].write(number(3))
+    assert fsm.run_event(3000) is port
+    assert outs["clear"].write(number(0))
+    port.read()()
+    port.readData()()  # there is none
+    assert notes == [3, "clear"]
+    for name, out in outs.items():
+        part(out, port, name)
+    assert (port.read(), port.isConnected()) == (None, False)
+
+
+def test_a_machine_writes_to_who_waits() -> None:
+    manager = CSPManager()
+    fsm, _ = event_port([], manager)
+    out, into = out_port(manager), in_port()
+    join(out, into)
+    assert fsm.run_event(3000) is out
+    assert into.read().data == 0
+    part(out, into)
+
+
+def test_events_wait_until_there_is_room() -> None:
+    notes: list[Any] = []
+    fsm, port = event_port(notes, CSPManager())
+    out = out_port()
+    join(out, port, "add")
+    thread, found = written(out, 20)
+    for _ in range(20):
+        assert fsm.run_event(3000) is port
+    assert (ended(thread), found, notes) == (True, [[True] * 20], [*range(20)])
+    part(out, port, "add")
+
+
+def test_names_are_found_in_modules_of_their_own() -> None:
+    module: Any = shared_module("OpenRTM_aist.CSPMachine")
+    assert module.CSPMachine is CSPMachine
+    module = shared_module("OpenRTM_aist.CSPEventPort")
+    assert module.CSPEventPort is CSPEventPort
