@@ -75,7 +75,8 @@ def converted(source: bytes, file: str, *, is_in_package: bool = False) -> Conve
     found = list(losses(result, data, beside))
     found += sibling_imports(result, data, beside) if is_in_package else ()
     after, more = without_losses(draft.after, found)
-    more += _left(_compiled(after, file), beside, more) if signs else ()
+    result = _compiled(after, file)
+    more += _left(result, beside, more) if signs else ()
     if draft.has_spaces:
         before = with_spaces(before)
     if after == before and not more:
