@@ -89,8 +89,9 @@ def layered(
 ) -> CreateString:
     """Return a create string with all properties that the component is to have.
 
-    The strongest first: create string, file of the instance, file of the type, what is inherited
-    from the manager. Without any of these, the default of the type applies.
+    The strongest first: create string, what the manager was given for the instance, file of the
+    instance, the same of the type, what is inherited from the manager. Without any of these, the
+    default of the type applies.
 
     Raises:
         NotFound: A configuration file is not there.
@@ -98,12 +99,14 @@ def layered(
         Malformed: A line of it cannot be read.
     """
     files: Mapping[str, str] = message.get("config_files") or {}
+    given: Mapping[str, Mapping[str, str]] = message.get("given") or {}
     layers = [dict(message.get("inherited") or {}) if inherits else {}]
     for name in (type.type_name, create.instance_name):
         for category in _categories(type):
             path = files.get(f"{category}.{name}")
             if path:
                 layers.append(_read(path))
+            layers.append(dict(given.get(f"{category}.{name}") or {}))
     own = create.options.get("config_file")
     if own:
         layers.append(_read(own))

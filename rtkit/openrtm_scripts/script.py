@@ -135,7 +135,11 @@ class ScriptManager(ModuleManager):
         }
         type_ = kind.type_profile()
         create = CreateString(type_.type_name, options={**options, "instance_name": instance})
-        settings = {"inherited": self._settings.below(*INHERITED), "config_files": files}
+        settings = {
+            "inherited": self._settings.below(*INHERITED),
+            "config_files": files,
+            "given": self._settings.of_components(),
+        }
         return layered(create, type_, settings).options
 
     def _join(self) -> None:

@@ -6,7 +6,7 @@ each is shown under the name by which it was given.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
@@ -169,6 +169,8 @@ port.* | | text | live | defaults of ports and their connections
 sdo.* | | text | - | components have no SDO services
 os.* | | text | fixed | operating system of the manager
 *.*.config_file | | text | live | CATEGORY.TYPE or .INSTANCE: more properties
+*.*.conf.* | | text | live | CATEGORY.TYPE or .INSTANCE: conf.SET.PARAMETER, over that file
+*.*.exec_cxt.* | | text | live | CATEGORY.TYPE or .INSTANCE: of its contexts, over that file
 """
 """All properties; a star in a key stands for anything."""
 _READERS: Mapping[str, Callable[[str], object]] = {
@@ -186,6 +188,7 @@ _READERS: Mapping[str, Callable[[str], object]] = {
     "manager.restart": values.restart,
     "manager.restart.*": values.restart,
 }
+_OF_COMPONENTS = ("conf", "exec_cxt")
 _PATTERNS = tuple(each for each in _properties() if "*" in each.key)
 KNOWN: Mapping[str, ManagerProperty] = {
     each.key: each for each in _properties() if "*" not in each.key
@@ -339,6 +342,15 @@ class Settings:
         """Return what was given with keys that begin with one of these."""
         return {k: v for k, v in self._values.items() if k.startswith(prefixes) and v}
 
+    def of_components(self) -> dict[str, dict[str, str]]:
+        """Return what was given for types and instances, by ``CATEGORY.NAME``."""
+        found: dict[str, dict[str, str]] = {}
+        for key, value in self._values.items():
+            name, own = _of_component(key.split("."))
+            if own and value:
+                found.setdefault(name, {})[own] = value
+        return found
+
     def table(self) -> dict[str, str]:
         """Return all properties with their values, each under the name by which it was given."""
         keys: Iterable[str] = dict.fromkeys([*KNOWN, *self._values])
@@ -362,9 +374,19 @@ def _number(key: str, text: str) -> str:
     return text
 
 
+def _of_component(parts: Sequence[str]) -> tuple[str, str]:
+    """Return ``CATEGORY.NAME`` and the key of a component in a key; two empty texts for others."""
+    for index in range(2, len(parts) - 1):
+        if parts[index] in _OF_COMPONENTS and all(parts):
+            return ".".join(parts[:index]), ".".join(parts[index:])
+    return "", ""
+
+
 def _fits(pattern: str, key: str) -> bool:
     """Return whether a key matches; a star at an end stands for any number of elements."""
     wanted, parts = pattern.split("."), key.split(".")
+    if wanted[0] == wanted[-1] == "*":
+        return wanted[2] == _of_component(parts)[1].partition(".")[0]
     if wanted[-1] == "*":
         parts = parts[: len(wanted)]
     elif wanted[0] == "*":

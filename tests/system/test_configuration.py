@@ -229,19 +229,24 @@ def test_a_component_has_files_of_its_own(shell: Any) -> None:
     configure(
         shell,
         "exec_cxt.periodic.rate: 50\nexample.Motor.config_file: type.conf\n"
-        "example.Left.config_file: instance.conf\n",
+        "example.Left.config_file: instance.conf\nexample.Low.exec_cxt.periodic.rate: 5\n"
+        "example.Motor.conf.default.speed: 4\n",
     )
     shell.ok("rtmgr start")
     makes = " ".join(
         f"-c Motor?instance_name={name}{more}"
-        for name, more in (("Left", ""), ("Right", ""), ("Own", "'&exec_cxt.periodic.rate=10'"))
+        for name, more in (
+            *(("Left", ""), ("Right", ""), ("Low", "")),
+            ("Own", "'&exec_cxt.periodic.rate=10'"),
+        )
     )
     shell.ok(f"rtmgr {makes} -c ConsoleIn?instance_name=Other {MANAGER}")
     rates = {}
-    for name in ("Left", "Right", "Own", "Other"):
+    for name in ("Left", "Right", "Low", "Own", "Other"):
         (context,) = json.loads(shell.ok(f"rtcat --json /localhost/{name}.rtc"))["contexts"]
         rates[name] = context["rate"]
-    assert rates == {"Left": 75, "Right": 25, "Own": 10, "Other": 50}
+    assert rates == {"Left": 75, "Right": 25, "Low": 5, "Own": 10, "Other": 50}
+    assert "speed     4" in shell.ok("rtconf /localhost/Low.rtc list -l")
     (shell.folder / "type.conf").chmod(0o666)
     status, _, err = shell.run(f"rtmgr -c Motor {MANAGER}")
     assert status == 1

@@ -283,6 +283,7 @@ def _make(
         "modules": _modules_for(state, create),
         "inherited": inherited(state),
         "config_files": config_files(state),
+        "given": state.settings.of_components(),
         "kept": {"names": list(state.claims[instance].names), "create": str(again)},
     }
     if process.key == OWN_PROCESS:

@@ -53,6 +53,7 @@ _LINES: tuple[Message, ...] = (
         "modules": [],
         "inherited": {},
         "config_files": {},
+        "given": {},
         "kept": {"names": ["localhost/Extra0.rtc"], "create": "warm_up_component"},
     },
     {"op": "source", "connector": encode(_OUT)},

@@ -46,6 +46,7 @@ def test_the_strongest_wins(tmp_path):
             "Robot.Arm0": write(tmp_path / "instance.conf", "c: instance\nd: instance\n"),
             "Other.Arm": str(tmp_path / "absent"),
         },
+        "given": {"Robot.Arm": {"c": "given", "e": "given"}, "Robot.Arm0": {"f": "given"}},
     }
     create = parse_create("Arm?instance_name=Arm0&d=string")
     made = layered(create, ARM, message)
@@ -54,6 +55,8 @@ def test_the_strongest_wins(tmp_path):
         "b": "type",
         "c": "instance",
         "d": "string",
+        "e": "given",
+        "f": "given",
         "instance_name": "Arm0",
     }
     assert "a" not in layered(create, ARM, message, inherits=False).options

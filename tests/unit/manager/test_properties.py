@@ -40,6 +40,8 @@ def test_every_default_is_of_its_kind():
         "port.inport.dataport.buffer.length",
         "Sensors.Robot0.config_file",
         "composite.PeriodicECShared.Both0.config_file",
+        "composite.PeriodicECShared.Both0.conf.default.members",
+        "Sensors.Robot0.exec_cxt.periodic.rate",
         "corba.args",
         "logger.logstream.fluentd.output0.tag",
     ],
@@ -49,7 +51,8 @@ def test_keys_of_a_pattern_are_known(key):
 
 
 @pytest.mark.parametrize(
-    "key", ["port", "ec", "a.b", "x.config_file", "..config_file", "net.x", ""]
+    "key",
+    ["port", "ec", "a.b", "x.config_file", "..config_file", "a.conf.b", "a..conf.b", "net.x", ""],
 )
 def test_others_are_not(key):
     assert properties.find(key) is None
@@ -163,3 +166,16 @@ def test_what_can():
     settings.change("port.inport.dataport.buffer.length", "4")
     assert settings.text("logger.log_level") == "DEBUG"
     assert settings.below("port.") == {"port.inport.dataport.buffer.length": "4"}
+
+
+def test_what_is_given_for_components_is_kept_by_their_names():
+    settings = properties.Settings({
+        "Sensors.Robot0.conf.default.speed": "3",
+        "composite.PeriodicECShared.Both0.exec_cxt.periodic.rate": "5",
+        "exec_cxt.periodic.rate": "10",
+        "Sensors.Robot0.config_file": "a.conf",
+    })  # fmt: skip
+    assert settings.of_components() == {
+        "Sensors.Robot0": {"conf.default.speed": "3"},
+        "composite.PeriodicECShared.Both0": {"exec_cxt.periodic.rate": "5"},
+    }

@@ -98,6 +98,8 @@ SHOWN_BY = {
     "port.*": (PROPERTIES, "test_ports_have_defaults"),
     "os.*": (PROPERTIES, "test_an_identity_is_read_only"),
     "*.*.config_file": (SETTINGS, "test_a_component_has_files_of_its_own"),
+    "*.*.conf.*": (SETTINGS, "test_a_component_has_files_of_its_own"),
+    "*.*.exec_cxt.*": (SETTINGS, "test_a_component_has_files_of_its_own"),
 }
 
 
