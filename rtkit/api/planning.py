@@ -55,7 +55,7 @@ class WayOptions(NamedTuple):
         costs: ``NAME=NUMBER`` of kinds of steps.
         basis: Where the costs of the other kinds come from.
         stand_in: Generate what is missing.
-        transmit: Stand-ins write values.
+        transmit: Stand-ins write values, and answer calls.
         replaces: End and replace what cannot be changed in place.
     """
 

@@ -65,7 +65,7 @@ class Tree(DataTree):
             replace: End and replace what cannot be changed in place.
             costs: What kinds of steps cost, or interruptions of a component, by name.
             stand_in: Generate what is missing, without its modules.
-            transmit: Stand-ins write values while active.
+            transmit: Stand-ins write values while active, and answer calls.
             hosts: Hosts of the profile that stand for others: ``{"10.0.0.7": "localhost"}``.
             strict: Take warnings for errors.
 

@@ -87,7 +87,7 @@ PLACE_WITH = f"{PLACE}with"
 PLACE_APART = f"{PLACE}not_with"
 """Property of a component: the components on whose hosts it is not to be, comma separated."""
 TRANSMIT = "standin.transmit"
-"""Option: ``default`` to have a stand-in write default values."""
+"""Option: ``default`` to have a stand-in write default values, and answer calls with them."""
 
 
 def is_policy(key: str) -> bool:

@@ -93,7 +93,7 @@ def wanted(
         profile: The system profile.
         hostname: The machine that ``localhost`` means.
         stand_in: Generate every component from the profile instead of making the real one.
-        transmit: Stand-ins write default values.
+        transmit: Stand-ins write default values, and answer calls with them.
         host_map: Hosts that stand for another one.
         known_types: How components are made, by identity.
         stand_ins: Instances that are stand-ins, also after their process died.
