@@ -79,11 +79,6 @@ def _refused_interfaces(ports: Sequence[PortProfile]) -> str:
     for index, one in enumerate(listed):
         for other in listed[index + 1 :]:
             if not interfaces_fit(one.interfaces, other.interfaces):
-                if shared_interfaces(one.interfaces, other.interfaces):
-                    return NO_POLARITY
-                return f"{NO_INTERFACE} ({_interfaces(one)}; {_interfaces(other)})"
+                is_shared = shared_interfaces(one.interfaces, other.interfaces)
+                return NO_POLARITY if is_shared else NO_INTERFACE
     return ""
-
-
-def _interfaces(port: PortProfile) -> str:
-    return f"{port.name} has {', '.join(each.type_name for each in port.interfaces)}"

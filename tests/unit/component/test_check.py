@@ -41,7 +41,7 @@ IN, OUT = data(PortType.IN), data(PortType.OUT)
         (
             (service(("A", "Provided")), service(("B", "Required"))),
             {},
-            "Interfaces do not match. (s has A; s has B)",
+            "Interfaces do not match.",
         ),
         (
             (service(("A", "Provided")), service(("A", "Provided"))),
