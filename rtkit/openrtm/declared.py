@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cached_property
+from threading import RLock
 from typing import Any
 
 from rtkit.builder.standard_types import KNOWN
@@ -38,6 +39,7 @@ class Declarations:
         self._files = list(files)
         self._read = read
         self._made: dict[tuple[str, Path], Any] = {}
+        self._making = RLock()
 
     def names(self, scope: Path) -> list[str]:
         """Return the names that a scope has; an enumeration's members stand beside it."""
@@ -71,10 +73,11 @@ class Declarations:
         return self._once("servant", path)
 
     def _once(self, kind: str, path: Path) -> Any:
-        if (kind, path) not in self._made:
-            make = self._servant if kind == "servant" else self._value
-            self._made[kind, path] = make(path)
-        return self._made[kind, path]
+        with self._making:  # two threads that ask at once get one class
+            if (kind, path) not in self._made:
+                make = self._servant if kind == "servant" else self._value
+                self._made[kind, path] = make(path)
+            return self._made[kind, path]
 
     def _servant(self, path: Path) -> Any:
         declared = self.definitions.by_path.get(path)

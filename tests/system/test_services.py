@@ -156,7 +156,8 @@ def test_two_that_wait_for_each_other_are_bounded(tree: Tree) -> None:
     peer(tree, "B", "two", "back")
     wire(tree, "A", "B")
     wire(tree, "B", "A")
-    with pytest.raises(Refused, match=r"A.needed: B.offered: Work.work: no answer within 0.3 s"):
+    # Both waits end at one moment: either may be told first.
+    with pytest.raises(Refused, match=r"B\.offered: Work\.work.*: no answer within 0.3 s"):
         activate(tree, "A")
     for instance in ("A", "B"):
         tree.perform(act.Delete(instance))

@@ -28,7 +28,10 @@ _EPOCH = "SOURCE_DATE_EPOCH"
     examples=(
         ("rtprofile from Robot.py -o RTC.xml", "The profile of a component, from its code."),
         ("rtprofile from Robot.py --to yaml", "As YAML, on stdout."),
-        ("rtprofile from --json Old.py", "What does it use of OpenRTM that rtkit does not have?"),
+        (
+            "rtprofile from --json ConsoleIn.py",
+            "Names of OpenRTM that are not there.",
+        ),
     ),
     json=("absent-name",),
     arguments=("module",),
