@@ -50,6 +50,8 @@ _EVER_S = 1e6
 _READY_S, _MOST = 10.0, 1 << 16
 """How long the relay may take until it is ready [s], and how much may come before [bytes]."""
 _SHOWN = 500
+_DIGITS = 10
+"""Longer is no id of a process."""
 _ROUTE_S = 5.0
 """How long the far manager may take to be heard of once the routers are joined [s]."""
 
@@ -78,14 +80,14 @@ def main() -> None:
 
 def _keep(host: Host, state: HostLink) -> None:
     """Hold the link, and make it again whenever it is lost; a signal of the manager hastens it."""
-    linked_at, tries = time.monotonic(), 0
+    linked_at, tries, relay = time.monotonic(), 0, 0
     while True:
         is_denied, tried_at = False, time.monotonic()
         with ExitStack() as stack:
             try:
                 if tries:
                     _knock(host)
-                lost = _join(host, state.manager, stack)
+                lost, relay = _join(host, state.manager, stack, relay)
                 host_links.write(state._replace(why=""))
                 began = time.monotonic()
                 why = lost()
@@ -126,21 +128,24 @@ def _knock(host: Host) -> None:
         raise Unreachable(f"{host.name} ({place}): {text}") from error
 
 
-def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
-    """Join both routers; return what waits for the end of that, and says why it ended.
+def _join(host: Host, manager: str, stack: ExitStack, former: int) -> tuple[Callable[[], str], int]:
+    """Join both routers; return what waits for the end of that and says why, and the relay's id.
+
+    The relay of the link before, 0 without one, is ended first.
 
     Raises:
         RtkitError: They cannot be joined.
     """
     connection: HostConnection | TlsConnection
     channel: Channel | TlsConnection
+    relay = 0
     if host.is_tls:
         from rtkit.hosts.tls_connection import TlsConnection
 
         connection = channel = stack.enter_context(TlsConnection(host, places.host_name()))
     else:
         connection = stack.enter_context(connect(host))
-        channel = open_relay(connection, host)
+        channel, relay = open_relay(connection, host, former)
     path = host_links.tunnel_socket(host.name)
     places.check_socket_length(path)
     listener = stack.enter_context(unix.listen(path))
@@ -168,17 +173,20 @@ def _join(host: Host, manager: str, stack: ExitStack) -> Callable[[], str]:
         over.wait()
         return reasons[0]
 
-    return lost
+    return lost, relay
 
 
-def open_relay(connection: HostConnection, host: Host) -> Channel:
+def open_relay(connection: HostConnection, host: Host, former: int = 0) -> tuple[Channel, int]:
     """Start the relay; return its input and output once it is through to the manager there.
+
+    With its id, 0 for one that does not tell it. It ends the `former` one, of the link before.
 
     Raises:
         Unreachable: It is not; tells why.
     """
     python = far_program.python(connection)
-    channel = connection.open([*python, "-m", "rtkit.hosts.relay", host.manager])
+    words = [host.manager, *([str(former)] if former else [])]
+    channel = connection.open([*python, "-m", "rtkit.hosts.relay", *words])
     until = time.monotonic() + _READY_S
     text, ready = bytearray(), f"{READY}\n".encode()
     with suppress(OSError):
@@ -197,7 +205,8 @@ def open_relay(connection: HostConnection, host: Host) -> Channel:
         why = " ".join(text[-_SHOWN:].decode("utf-8", "replace").split()) or "nothing answers"
         raise Unreachable(f"{host.name}: {why}")
     channel.settimeout(None)
-    return channel
+    *_, own = b"", *text.removesuffix(ready).split()
+    return channel, int(own) if own.isdigit() and len(own) < _DIGITS else 0
 
 
 def _wake(listener: socket.socket) -> None:

@@ -1,28 +1,44 @@
 """Far end of a link: splices its own input and output with the socket of a manager.
 
-It runs on the other host, started over SSH: ``python -m rtkit.hosts.relay MANAGER``. Its first line
-is `READY`, or why there is nothing to splice; from then on bytes pass as they are.
+It runs on the other host, started over SSH: ``python -m rtkit.hosts.relay MANAGER [PID]``. Its
+first lines are its own id and `READY`, or why there is nothing to splice; from then on bytes pass
+as they are.
+
+With the id of the relay of the same link before, it ends that first. Where a network was away for
+seconds, the router here may take that one for alive while the next one joins; once it noticed, it
+has forgotten for good who answers at the other end (decision 98).
 """
 
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import time
 from collections.abc import Callable
 from contextlib import suppress
 
 from rtkit.errors import RtkitError
 from rtkit.link import places, running, unix
+from rtkit.link.processes import ProcessWatch
 from rtkit.link.threads import start_thread
 
 READY = "rtkit-relay 1"
 _CHUNK = 1 << 16
+_END_S = 1.0
+"""How long the relay before may take to end [s]."""
+_SETTLE_S = 0.5
+"""How long a router may take to have forgotten what came by a link that has ended [s]. Zenoh
+computes its routes 0.1 s after such a change, and tells nobody when that is done."""
+_MODULE = b"rtkit.hosts.relay"
 
 
 def main() -> int:
     """Be the process."""
     name = sys.argv[1] if len(sys.argv) > 1 else places.DEFAULT_MANAGER
     places.keep_runtime_folder()
+    if len(sys.argv) > 2 and sys.argv[2].isdecimal() and end_relay(int(sys.argv[2])):
+        time.sleep(_SETTLE_S)
     try:
         if places.owner(name) is None:
             raise ConnectionError(running.why_absent(name, places.host_name()))
@@ -30,7 +46,7 @@ def main() -> int:
     except (OSError, RtkitError) as error:
         print(" ".join(str(error).split()), flush=True)
         return 1
-    print(READY, flush=True)
+    print("", os.getpid(), READY, sep="\n", flush=True)
 
     def inward() -> None:
         pump(lambda: os.read(0, _CHUNK), near.sendall)
@@ -39,6 +55,21 @@ def main() -> int:
     start_thread(inward, "inward")
     pump(lambda: near.recv(_CHUNK), _write)
     return 0
+
+
+def end_relay(pid: int) -> bool:
+    """End a relay, wait for that, and return whether it was one.
+
+    Any other process that has its id by now is left alone.
+    """
+    with suppress(OSError), ProcessWatch(pid) as relay:
+        with open(f"/proc/{pid}/cmdline", "rb") as file:
+            is_relay = _MODULE in file.read().split(b"\0")
+        if is_relay:
+            relay.send(signal.SIGTERM)
+            relay.await_end(_END_S)
+        return is_relay
+    return False
 
 
 def pump(read: Callable[[], bytes], write: Callable[[bytes], object]) -> None:

@@ -112,7 +112,7 @@ def test_a_shell_that_writes_lines_of_its_own_is_no_obstacle(far: FarHost) -> No
         text = far_program.ask(connection, [*command, "start", "manager"], timeout_s=20.0)
         found = json.loads(text)
         assert (found["host"], found["was_running"]) == ("bare", False)
-        link_process.open_relay(connection, connection.host).close()
+        link_process.open_relay(connection, connection.host)[0].close()
         assert abs(clock.compare(connection).offset_s) < 1.0
         maps = far.run("sh", "-c", "cat /proc/[0-9]*/maps")
         assert f"{_BASE}/versions/{made.id}/" in maps

@@ -202,11 +202,15 @@ def test_a_host_is_as_it_says_whatever_its_shell_says(noise: str) -> None:
     assert far_side.look(connection) == GOOD
 
 
-def test_a_relay_is_heard_behind_what_the_shell_says() -> None:
-    said = iter(b"Welcome\nhow do you do? " + f"{READY}\n\0binary".encode())
+@pytest.mark.parametrize(
+    ("told", "relay"),
+    [("", 0), ("\n4711\n", 4711), (f"\n{'9' * 5000}\n", 0), ("\n-1\n", 0), ("\n1e3\n", 0)],
+)
+def test_a_relay_is_heard_behind_what_the_shell_says(told: str, relay: int) -> None:
+    said = iter(b"Welcome\nhow do you do? " + f"{told}{READY}\n\0binary".encode())
     channel = SimpleNamespace(
         settimeout=lambda _s: None, recv=lambda most: bytes(itertools.islice(said, most))
     )
     connection: Any = SimpleNamespace(host=HOST, open=lambda _command: channel)
     opened: Any = link_process.open_relay(connection, HOST)
-    assert opened.recv(99) == b"\0binary"
+    assert (opened[0].recv(99), opened[1]) == (b"\0binary", relay)
