@@ -7,6 +7,7 @@ from typing import Any
 from rtkit.openrtm.channel_in_port import reading
 from rtkit.openrtm.csp_ports import CSPOutPort, CSPPort, CSPReader
 from rtkit.openrtm.meeting import Meeting
+from rtkit.openrtm.ports import PortBase
 
 
 class CSPManager:
@@ -64,7 +65,7 @@ class CSPManager:
         """Return whether somebody waits for a value of one of its out ports, and which."""
         return self._ready(CSPOutPort)
 
-    def _ready(self, kind: type[CSPPort]) -> tuple[bool, Any]:
+    def _ready(self, kind: type[PortBase]) -> tuple[bool, Any]:
         mine = (each for each in self._ports if isinstance(each, kind))
         found = next((each for each in mine if each.select()), None)
         return found is not None, found

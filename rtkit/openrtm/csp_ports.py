@@ -6,6 +6,7 @@ others they are like ports of other kinds.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
 from rtkit.component.options import PortStatus
@@ -18,7 +19,7 @@ from rtkit.openrtm.ports import InPort, OutPort, PortBase
 _TIMEOUT, _USUAL_TIMEOUT_S = "channel_timeout", 10.0
 
 
-class CSPPort(PortBase):
+class CSPPort(PortBase, ABC):
     """Base of both: they may belong to a manager, which chooses among its ports."""
 
     port: Any
@@ -63,9 +64,9 @@ class CSPPort(PortBase):
         """Return the mode that was set."""
         return self._sync_mode
 
+    @abstractmethod
     def select(self) -> bool:
         """Return whether a value can be exchanged without waiting."""
-        raise NotImplementedError
 
     def reselect(self) -> bool:
         """Do the same as `select`."""
@@ -79,9 +80,9 @@ class CSPReader(CSPPort):
         """Return whether a value is there."""
         return bool(self.port.is_new())
 
+    @abstractmethod
     def readData(self) -> Any:
         """Return what was not read yet, without waiting."""
-        raise NotImplementedError
 
     def read(self, name: str | None = None) -> Any:
         """Return the next value, after waiting for it; None when none comes in time.
