@@ -9,9 +9,11 @@ from rtkit.errors import Refused
 from rtkit.link.threads import start_thread
 
 _PING_S = 0.5
-_SILENT_S, _SILENT_ROUNDS, _LONGEST_ROUND_S = 1.5, 8, 0.5
+_SILENT_S, _SILENT_ROUNDS, _LONGEST_ROUND_S = 2.5, 8, 0.5
 """How often the far side is asked whether it is there, and how long it may be silent [s], besides
-so many round trips: what a slow network loses comes later than what a quick one does."""
+so many round trips: what a slow network loses comes later than what a quick one does. TCP sends
+again after 0.2 to 0.35 s, and each time waits twice as long: what an outage of 1 s has lost comes
+up to 2.45 s after it was sent."""
 
 
 def longest_silence(round_trip_s: float) -> float:

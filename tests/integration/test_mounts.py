@@ -201,7 +201,7 @@ def test_widgets_of_what_is_mounted_are_named_as_they_are_there(
 
     rules = "deny unix * SET robots.c.x"
     with serve(Group(a="r1", b="r2.arm", c="r2"), "g", rules=rules), serve(Robot(2), "r2"):
-        until(lambda: "robots.c.x" in widgets("g.gui"))
+        until(lambda: {"robots.b.angle", "robots.c.x"} <= widgets("g.gui").keys())
         found = widgets("g.gui")
         assert found["robots.a"]["away"] == "true"
         assert found["robots.b.angle"]["kind"] == "number"
