@@ -346,7 +346,7 @@ def _container(
     stack.callback(remove_socket, own_data)
     heartbeats = Heartbeats(heartbeats_path(data, state.pid))
     container = ComponentContainer(
-        report, PortWiring(state.host, LocalStreams(own_data), state.name), ComponentFactory(loader)
+        report, PortWiring(state.host, LocalStreams(data), state.name), ComponentFactory(loader)
     )
     container.show_heartbeats(heartbeats)
     give_stdin(container.terminals)

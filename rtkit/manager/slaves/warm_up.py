@@ -93,7 +93,7 @@ def warm_up(log: Log, settings: Any) -> None:
         log.begin()
         other = _Other(f"{pattern.removesuffix('.data')}.other")
         stack.callback(other.close)
-        stage = _Stage(place, more[2], other)
+        stage = _Stage(pattern, more[2], other)
         stage.show(Heartbeats(paths[1]), CheckpointWriter(more[1], "rehearsal"))
         stage.play(listener)
     _await_ends(threads)
@@ -142,14 +142,14 @@ class _Other:
 class _Stage:
     """A container on this thread, connected to a manager on another one, as in a slave."""
 
-    def __init__(self, place: str, manager: str, other: _Other) -> None:
+    def __init__(self, pattern: str, manager: str, other: _Other) -> None:
         self._read, self._write = os.pipe()
         self._connection = ManagerConnection(manager, "rehearsal", self)
         self._other = other
         self._lines = iter(_LINES)
         self._manager: ControlChannel
         self._replies: list[Message] = []
-        wiring = PortWiring("", LocalStreams(place))
+        wiring = PortWiring("", LocalStreams(pattern))
         self._container = ComponentContainer(
             self._send, wiring, ComponentFactory(Loader([_FOLDER]))
         )
