@@ -148,7 +148,7 @@ P = TypeVar("P", bound=StrEnum)
 def is_channel(properties: Mapping[str, str]) -> bool:
     """Return whether a connector is a channel: its out port knows when its in port takes a value.
 
-    It is pulled, by an in port that reads ahead (see `rtkit.openrtm.channel_out_port`).
+    It is pulled, by an in port that reads ahead (see `rtkit.openrtm.csp.channel_out_port`).
     """
     is_duplex = _word(properties, DATAFLOW_TYPE, "") == "duplex"
     return is_duplex or _word(properties, INTERFACE_TYPE, "") == "csp_channel"

@@ -65,8 +65,8 @@ def describe(
 
 
 def _openrtm_types(source: bytes, file: str) -> list[OfferedType]:
-    from rtkit.openrtm.identity import type_of
-    from rtkit.openrtm.specification import specifications
+    from rtkit.openrtm.api.identity import type_of
+    from rtkit.openrtm.loading.specification import specifications
 
     prefix = "conf.default."
     return [

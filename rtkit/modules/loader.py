@@ -225,8 +225,8 @@ class Loader:
         folder = os.path.dirname(real)
         if all(os.path.dirname(each) != folder for each in self._imported):
             forget_neighbours(real)
-            if "rtkit.openrtm.folder" in sys.modules:
-                from rtkit.openrtm.folder import forget_folder
+            if "rtkit.openrtm.loading.folder" in sys.modules:
+                from rtkit.openrtm.loading.folder import forget_folder
 
                 forget_folder(folder)
         kept = {profile.id for other in self._modules.values() for profile in other.types}
@@ -312,7 +312,7 @@ def import_source(source: ModuleSource) -> ModuleType:
     sys.modules[name] = module
     try:
         if _OPENRTM in source.text:  # 0095: the one look that costs others nothing
-            from rtkit.openrtm.loading import run_module
+            from rtkit.openrtm.loading.module import run_module
 
             vars(module)[_FOREIGN] = run_module(module, source.text, code_of)
         else:
@@ -338,7 +338,7 @@ def failure_in(file: str, error: BaseException) -> str:
             line = trace.tb_lineno
         trace = trace.tb_next
     from rtkit.extras import hint
-    from rtkit.openrtm.age_hint import age_hint
+    from rtkit.openrtm.migrate.age_hint import age_hint
 
     reason = f": {error}{hint(error) or age_hint(error, file)}" if str(error) else ""
     return f"{type(error).__name__}{reason} ({file}:{line or 1})"

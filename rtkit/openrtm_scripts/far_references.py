@@ -17,9 +17,9 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed, NotFound, RtkitError, Unreachable
 from rtkit.link.threads import start_thread
 from rtkit.logs.late import late
-from rtkit.openrtm.enumerations import ITEMS, OK, item_for
-from rtkit.openrtm.exceptions import SYSTEM_EXCEPTIONS
-from rtkit.openrtm.records import (
+from rtkit.openrtm.corba.enumerations import ITEMS, OK, item_for
+from rtkit.openrtm.corba.exceptions import SYSTEM_EXCEPTIONS
+from rtkit.openrtm.corba.records import (
     ComponentProfile,
     ConnectorProfile,
     ExecutionContextProfile,
@@ -27,7 +27,7 @@ from rtkit.openrtm.records import (
     PortProfile,
     name_values,
 )
-from rtkit.openrtm.references import ExecutionContext, PortService, RTObject
+from rtkit.openrtm.corba.references import ExecutionContext, PortService, RTObject
 from rtkit.rtc.names import parse_path
 from rtkit.rtc.profiles import ExecutionContextProfile as ContextFacts
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from rtkit.errors import NotFound
 from rtkit.openrtm.absent import refuse
-from rtkit.openrtm.cos_naming import Binding, Names, NamingContext, to_name, to_text
-from rtkit.openrtm.exceptions import CorbaException
+from rtkit.openrtm.corba.cos_naming import Binding, Names, NamingContext, to_name, to_text
+from rtkit.openrtm.corba.exceptions import CorbaException
 from rtkit.openrtm_scripts.far_references import FarComponent, asked, the_tree
 from rtkit.rtc.names import LOCAL, parse_path
 from rtkit.tree.resolve import entry, node_at

@@ -25,9 +25,9 @@ from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.link import places
 from rtkit.logs.late import late
 from rtkit.manager import launch
-from rtkit.openrtm.adapter import HeldComponent
-from rtkit.openrtm.folder import ComponentFolder, folder_of
-from rtkit.openrtm.manager import Manager, ModuleManager
+from rtkit.openrtm.api.adapter import HeldComponent
+from rtkit.openrtm.api.manager import Manager, ModuleManager
+from rtkit.openrtm.loading.folder import ComponentFolder, folder_of
 from rtkit.openrtm_scripts.far_references import FarComponent
 from rtkit.openrtm_scripts.script_types import ScriptTypes
 from rtkit.rtc.create import CreateString, parse_create

@@ -20,15 +20,15 @@ TWICE = {
 }
 """Public class names that stand for two things, with the reason."""
 
-FOREIGN = "openrtm"
-"""Room whose classes have the names that components written for OpenRTM-aist call."""
+FOREIGN = ("openrtm/api", "openrtm/corba", "openrtm/csp")
+"""Folders whose classes have the names that components written for OpenRTM-aist call."""
 
 
 def class_names() -> dict[str, list[str]]:
     found = defaultdict(set)
     folder = ROOT / "rtkit"
     files = [*folder.rglob("*.py"), *folder.rglob("*.pyi")]
-    for file in sorted(each for each in files if each.parent.name != FOREIGN):
+    for file in sorted(each for each in files if not str(each.parent).endswith(FOREIGN)):
         for node in ast.parse(file.read_text(encoding="utf-8")).body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 found[node.name].add(str(file.relative_to(ROOT).with_suffix(".py")))

@@ -25,7 +25,7 @@ from rtkit.component.standin import TRANSMIT
 from rtkit.component.type_layout import zero
 from rtkit.deployment.actions import ActivateSet, Create, SetParameters
 from rtkit.errors import RtkitError
-from rtkit.openrtm.migration import migrate, plan_migration
+from rtkit.openrtm.migrate.files import migrate, plan_migration
 from rtkit.probe.calling import ProvidedOperation, operations_at
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.names import parse_path

@@ -12,8 +12,8 @@ import pytest
 from openrtm_corpus import COMPONENTS, needs_components, sources
 from waiting import until
 
-from rtkit.openrtm.conversion import converted
-from rtkit.openrtm.migration import migrate, plan_migration
+from rtkit.openrtm.migrate.files import migrate, plan_migration
+from rtkit.openrtm.migrate.to_python3 import converted
 
 KEEPS_MANAGER = True
 OLD = """#!/usr/bin/env python

@@ -8,7 +8,6 @@ from tokenize import TokenError
 from typing import NamedTuple
 
 from rtkit.errors import Malformed, Refused
-from rtkit.openrtm.conversion import converted
 from rtkit.openrtm.convert.class_writing import write_class
 from rtkit.openrtm.convert.component_model import OldComponent
 from rtkit.openrtm.convert.draft import API, HandWork, ModuleDraft
@@ -23,7 +22,8 @@ from rtkit.openrtm.convert.finishing import (
 from rtkit.openrtm.convert.foreign import mark_foreign
 from rtkit.openrtm.convert.module_writing import write_module, write_outside
 from rtkit.openrtm.convert.reading import read_components
-from rtkit.openrtm.source import mended, read_source, with_spaces
+from rtkit.openrtm.migrate.source import mended, read_source, with_spaces
+from rtkit.openrtm.migrate.to_python3 import converted
 
 
 class Conversion(NamedTuple):

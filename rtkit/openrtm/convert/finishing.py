@@ -212,7 +212,7 @@ def _write_import(
 def _offered(folder: str, module: str) -> set[str]:
     """Return the names that a module beside the component binds; empty if it cannot be read."""
     from rtkit.errors import RtkitError
-    from rtkit.openrtm.source import mended, read_source
+    from rtkit.openrtm.migrate.source import mended, read_source
 
     path = os.path.join(folder, *module.split(".")) + ".py"
     try:

@@ -333,7 +333,8 @@ def test_a_module_that_does_not_import(loader, folder, source, why):
         loader.load("Thing.py")
     assert "\n" not in str(caught.value).replace("\\n", "")
     # That an extra may be lacking, or it is Python 2, is looked up by modules of rtkit's own.
-    own = {"rtkit.extras", *(f"rtkit.openrtm{each}" for each in ("", ".age_hint", ".python2"))}
+    mine = ("", ".migrate", ".migrate.age_hint", ".migrate.python2")
+    own = {"rtkit.extras", *(f"rtkit.openrtm{each}" for each in mine)}
     assert set(sys.modules) - before <= own
     (folder / "Thing.py").write_text(THING.format(name="Thing", text="One"))
     assert loader.load("Thing.py").types

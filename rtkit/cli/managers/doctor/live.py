@@ -191,13 +191,13 @@ def absences(facts: Snapshot) -> Iterator[Diagnosis]:
 
 
 def _absences_in(file: str) -> Iterator[Diagnosis]:
-    from rtkit.openrtm.source import MARK
+    from rtkit.openrtm.migrate.source import MARK
 
     with open(file, "rb") as stream:
         source = stream.read()
     if MARK not in source:
         return
-    from rtkit.openrtm.absences import absences_in  # native ones have none
+    from rtkit.openrtm.loading.absences import absences_in  # native ones have none
 
     for line, name in absences_in(source, file):
         text = f"{file}:{line} uses {name} of OpenRTM-aist, which rtkit does not have"

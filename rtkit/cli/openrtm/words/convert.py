@@ -47,7 +47,7 @@ def main(
     told on stderr with its line in FILE. Exit status 0: nothing needs a hand, 1: something does.
     """
     from rtkit.openrtm.convert.conversion import convert
-    from rtkit.openrtm.migration import content_of
+    from rtkit.openrtm.migrate.files import content_of
 
     if len(paths) != 1:
         raise WrongArguments("takes one file")
@@ -86,7 +86,7 @@ def _write(output: str, text: str) -> None:
 
 def _difference(path: str, output: str, source: bytes, made: Conversion) -> Iterator[str]:
     """Yield the lines of ``diff -u`` from the old component to the native one."""
-    from rtkit.openrtm.source import read_source
+    from rtkit.openrtm.migrate.source import read_source
 
     before = read_source(source).text.splitlines()
     after = output or f"{os.path.splitext(path)[0]} (native)"

@@ -13,7 +13,7 @@ from rtkit.cli.shared.options import arguments, flag, json_flag
 from rtkit.errors import Malformed
 
 if TYPE_CHECKING:
-    from rtkit.openrtm.migration import MigratedFile
+    from rtkit.openrtm.migrate.files import MigratedFile
 
 
 @command(
@@ -44,7 +44,7 @@ def main(
     (time.clock, inspect.getargspec, string.join, collections.Mapping, async as a name ...), and in
     packages siblings are imported with a dot. What a person should look at is told, with its line.
     """
-    from rtkit.openrtm.migration import migrate, plan_migration
+    from rtkit.openrtm.migrate.files import migrate, plan_migration
 
     if not paths:
         raise Malformed("No file specified.")

@@ -17,7 +17,7 @@ from rtkit.profile.forms import FORMS, form_of_name
 
 if TYPE_CHECKING:
     from rtkit.modules.search import ModuleSource
-    from rtkit.openrtm.absences import AbsentUse
+    from rtkit.openrtm.loading.absences import AbsentUse
 
 _EPOCH = "SOURCE_DATE_EPOCH"
 
@@ -92,11 +92,11 @@ def main(
 
 def _absences(source: ModuleSource) -> Sequence[AbsentUse]:
     """Return what an old component uses that is not there; native ones have none."""
-    from rtkit.openrtm.source import MARK
+    from rtkit.openrtm.migrate.source import MARK
 
     if MARK not in source.text:
         return ()
-    from rtkit.openrtm.absences import absences_in
+    from rtkit.openrtm.loading.absences import absences_in
 
     return absences_in(source.text, source.file)
 

@@ -1,1 +1,0 @@
-"""Fixers for fissix, where its own are not enough; each module has one, as fissix wants it."""
