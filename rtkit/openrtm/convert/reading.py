@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterator, Mapping
 from typing import TypeGuard
 
-from rtkit.component.type_layout import ItemsLayout, Layout, StructLayout, layout_of
+from rtkit.component.type_layout import Layout, StructLayout, layout_of
 from rtkit.openrtm.convert.component_model import (
     BoundData,
     OldComponent,
@@ -236,8 +236,3 @@ def usage(source: SourceEdits, node: ast.expr) -> str:
         return "load"
     parent = source.parent(node)
     return "change" if isinstance(parent, ast.AugAssign) and parent.target is node else "store"
-
-
-def is_items(layout: Layout | None) -> bool:
-    """Return whether a layout is that of a sequence, but for octets, which are bytes in both."""
-    return isinstance(layout, ItemsLayout)
