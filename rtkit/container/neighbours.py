@@ -5,7 +5,7 @@ from __future__ import annotations
 from rtkit.container.operations import LATER, ContainerServices, Operations
 from rtkit.deployment.message import Message
 from rtkit.errors import RtkitError
-from rtkit.link import places, zenoh_keys
+from rtkit.link import zenoh_keys
 from rtkit.link.places import host_name
 from rtkit.link.threads import start_thread
 from rtkit.logs.late import late
@@ -48,11 +48,12 @@ def _names(manager: str) -> list[str]:
 
 
 def _listing(manager: str) -> str:
-    from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
+    from rtkit.link.manager_link import open_link
 
-    link = ZenohLink(open_client(unix_endpoint(places.manager_socket(manager)), _TIMEOUT_S))
+    host = host_name()
+    link = open_link(manager, host, _TIMEOUT_S)
     try:
-        service = zenoh_keys.service(host_name(), manager)
+        service = zenoh_keys.service(host, manager)
         return link.call(zenoh_keys.extension_key(service, "listing"), None, _TIMEOUT_S).value()
     finally:
         link.close()

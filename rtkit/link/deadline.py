@@ -79,8 +79,8 @@ def deadline_from_bytes(data: bytes) -> float:
 @cache
 def boot_id() -> str:
     """Return which run of this machine it is."""
-    with open("/proc/sys/kernel/random/boot_id", encoding="ascii") as file:
-        return file.read().strip()
+    with open("/proc/sys/kernel/random/boot_id", "rb") as file:
+        return file.read().decode().strip()
 
 
 @cache

@@ -136,6 +136,16 @@ def control_socket(manager: str) -> str:
     return os.path.join(runtime_dir(), f"{manager}.ctl")
 
 
+def request_socket(manager: str) -> str:
+    """Return the path of the socket on which a manager takes requests of commands."""
+    return os.path.join(runtime_dir(), f"{manager}.req")
+
+
+def sockets_of(manager: str) -> tuple[str, ...]:
+    """Return the paths of all sockets on which a manager listens."""
+    return manager_socket(manager), control_socket(manager), request_socket(manager)
+
+
 def service_socket(service: str) -> str:
     """Return the path of the socket on which a property service speaks the line protocol."""
     return os.path.join(runtime_dir(), f"{_escaped(service)}.ps")

@@ -105,7 +105,7 @@ def remove_stale(name: str, living: Collection[int]) -> None:
         Refused: Something else than a socket lies there, or it cannot be removed.
     """
     folder = places.runtime_dir()
-    own = (places.manager_socket(name), places.control_socket(name))
+    own = places.sockets_of(name)
     left = [os.path.join(folder, entry) for entry in os.listdir(folder)]
     for path in left:
         beside = path.removesuffix(".lock")

@@ -185,7 +185,7 @@ def _claim(name: str, is_shown: bool, stack: ExitStack) -> dict[int, SlaveCheckp
         comm.write(f"rtkit {name}")
     places.make_private(places.runtime_path())
     places.make_private(places.state_dir())
-    for path in (places.manager_socket(name), places.control_socket(name)):
+    for path in places.sockets_of(name):
         places.check_socket_length(path)
     take_lock(name, stack)
     fault.point("manager.locked")
@@ -319,6 +319,7 @@ def _open_endpoints(
     link.serve(zenoh_keys.service(host, name), loop.post)
     fault.point("manager.serving")
     _open_front(state, session, endpoint, inner, warn, stack)
+    stack.callback(loop.take_requests_at(places.request_socket(name)))
     stack.callback(link.withdraw)  # last of all opened here, so first at the end
     stack.callback(loop.peers.end)  # but for who asks the router from inside
     fault.point("manager.doors_open")

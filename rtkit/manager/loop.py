@@ -27,6 +27,7 @@ from rtkit.deployment.terminal import TERMINAL
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import replace
 from rtkit.link import places, zenoh_keys
+from rtkit.link.request_server import RequestServer
 from rtkit.link.transport import Link
 from rtkit.logs.outputs import cut
 from rtkit.manager.core import events as ev
@@ -166,6 +167,16 @@ class Loop:
     def recall(self, remembered: ev.StoreRead) -> None:
         """Pass the store of an earlier manager to the core, before anything else."""
         self._handle(remembered)
+
+    def take_requests_at(self, path: str) -> Callable[[], object]:
+        """Take requests of commands at a socket; return what ends that.
+
+        Raises:
+            OSError: It cannot be made.
+        """
+        server = RequestServer(path, lambda asked: self._guard.run("request", self._serve, asked))
+        self._selector.register(server, selectors.EVENT_READ, lambda _mask: server.turn())
+        return server.close
 
     def open_lines(self, link: Link, service: str) -> None:
         """Publish on the manager's topics, from now on, what the core wants published."""

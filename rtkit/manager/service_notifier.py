@@ -14,7 +14,7 @@ import time
 from collections.abc import Mapping, MutableMapping
 
 from rtkit.errors import RtkitError
-from rtkit.link import places, unix, zenoh_keys
+from rtkit.link import unix, zenoh_keys
 from rtkit.manager.core.state import ManagerState
 
 SOCKET = "NOTIFY_SOCKET"
@@ -134,9 +134,9 @@ def _ask_itself(state: ManagerState) -> None:
     Raises:
         RtkitError: It does not answer in time.
     """
-    from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
+    from rtkit.link.manager_link import open_link
 
-    link = ZenohLink(open_client(unix_endpoint(places.manager_socket(state.name)), _ASK_S))
+    link = open_link(state.name, state.host, _ASK_S)
     try:
         key = zenoh_keys.property_key(zenoh_keys.service(state.host, state.name), "manager.pid")
         link.call(key, None, _ASK_S).value()

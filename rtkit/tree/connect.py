@@ -42,19 +42,19 @@ def connect(
     if "/" in name:
         host, _, manager = name.partition("/")
         return connect_far(host, manager, timeout_s, kind)
+    from rtkit.link.manager_link import open_link
     from rtkit.link.running import why_absent
-    from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 
-    path = manager_socket(name)
-    if not os.path.exists(path):
+    if not os.path.exists(manager_socket(name)):
         raise Unreachable(why_absent(name))
+    host = host_name()
     try:
-        session = open_client(unix_endpoint(path), bounded(timeout_s))
+        link = open_link(name, host, bounded(timeout_s))
     except Unreachable as error:
         if owner(name) is None:
             raise Unreachable(why_absent(name)) from error
         raise Unreachable(f"manager {name!r} does not answer within {timeout_s:g} s") from error
-    tree = kind(ZenohLink(session), host_name(), name, timeout_s)
+    tree = kind(link, host, name, timeout_s)
     tree.has_ended = lambda: owner(name) is None
     return tree
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import queue
+import select
 import tempfile
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from typing import NamedTuple
 
 import pytest
@@ -14,7 +17,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtkit.errors import Malformed, NotFound, Refused, Unreachable
-from rtkit.link import zenoh_keys
+from rtkit.link import places, unix, zenoh_keys
+from rtkit.link.manager_link import ManagerLink, open_link
+from rtkit.link.request_client import connect
+from rtkit.link.request_frames import GREETING
+from rtkit.link.request_server import RequestServer
 from rtkit.link.transport import Link
 from rtkit.link.zenoh import ZenohLink, open_client, open_listener, unix_endpoint
 from rtkit.property.exchange import Reply, Request
@@ -31,8 +38,67 @@ class Ends(NamedTuple):
     caller: Link
 
 
-@pytest.fixture(params=["inproc", "zenoh"])
+class Owner(ZenohLink):
+    """What a manager is to commands: it serves over zenoh, and at a socket for requests."""
+
+    _take: Callable[[Request], object] | None = None
+
+    def open_requests(self) -> None:
+        self._server = RequestServer(places.request_socket("manager"), self._enqueue)
+        self._end, self._ended = os.pipe()
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:
+        super().serve(service_key, enqueue)
+        if service_key == SERVICE:
+            self._take = enqueue
+
+    def _enqueue(self, request: Request) -> None:
+        if self._take is None:
+            request.answer(Reply("nothing is served yet", Unreachable.kind))
+        else:
+            self._take(request)
+
+    def _run(self) -> None:
+        while self._end not in select.select([self._server, self._end], [], [])[0]:
+            self._server.turn()
+
+    def end_requests(self) -> None:
+        os.close(self._ended)
+        self._thread.join()
+        os.close(self._end)
+        self._server.close()
+
+    def close(self) -> None:
+        self.end_requests()
+        super().close()
+
+
+@pytest.fixture
+def folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    with tempfile.TemporaryDirectory(prefix="rt") as folder:
+        monkeypatch.setenv("RTKIT_RUNTIME_DIR", folder)
+        yield folder
+
+
+@pytest.fixture
+def owner(folder: str) -> Iterator[Owner]:
+    owner = Owner(open_listener(unix_endpoint(places.manager_socket("manager"))))
+    owner.open_requests()
+    yield owner
+    owner.close()
+
+
+@pytest.fixture(params=["inproc", "zenoh", "manager"])
 def ends(request: pytest.FixtureRequest) -> Iterator[Ends]:
+    if request.param == "manager":
+        owner = request.getfixturevalue("owner")
+        caller = open_link("manager", "host", AT_ONCE_S)
+        assert isinstance(caller, ManagerLink)
+        yield Ends(owner, caller)
+        caller.close()
+        return
     if request.param == "inproc":
         link = InprocLink()
         yield Ends(link, link)
@@ -217,3 +283,112 @@ def test_a_line_is_heard_by_all_who_listen_and_costs_nothing_without_them(ends: 
     assert not listened.get(timeout=AT_ONCE_S)
     tell("to nobody")
     assert heard.empty()
+
+
+@pytest.fixture
+def caller(owner: Owner) -> Iterator[Link]:
+    caller = open_link("manager", "host", AT_ONCE_S)
+    yield caller
+    caller.close()
+
+
+KEY = zenoh_keys.property_key(SERVICE, "p")
+
+
+def test_a_command_that_asks_opens_no_zenoh(owner: Owner, caller: Link) -> None:
+    owner.serve(SERVICE, lambda request: request.answer(Reply("here")))
+    owner.withdraw()  # over zenoh nobody answers any more
+    assert caller.call(KEY, None, AT_ONCE_S) == Reply("here")
+
+
+def test_an_older_manager_is_asked_over_zenoh(owner: Owner) -> None:
+    owner.serve(SERVICE, lambda request: request.answer(Reply("here")))
+    os.unlink(places.request_socket("manager"))
+    with closing(open_link("manager", "host", AT_ONCE_S)) as link:
+        assert link.call(KEY, None, AT_ONCE_S) == Reply("here")
+
+
+def test_a_manager_that_was_started_again_is_reached_again(owner: Owner, caller: Link) -> None:
+    owner.serve(SERVICE, lambda request: request.answer(Reply("here")))
+    assert caller.call(KEY, None, AT_ONCE_S) == Reply("here")
+    owner.end_requests()
+    with pytest.raises(Unreachable, match="nobody answers"):
+        caller.call(KEY, None, AT_ONCE_S)
+    owner.open_requests()
+    assert caller.call(KEY, None, AT_ONCE_S) == Reply("here")
+
+
+def test_a_reply_that_was_awaited_when_the_manager_ended(owner: Owner, caller: Link) -> None:
+    asked = threading.Event()
+    owner.serve(SERVICE, lambda _request: asked.set())
+    awaited = caller.send(KEY, "x", AT_ONCE_S)
+    assert asked.wait(AT_ONCE_S)
+    owner.end_requests()
+    with pytest.raises(Unreachable, match="nobody answers"):
+        awaited()
+    owner.open_requests()
+
+
+def test_who_reads_no_answers_holds_up_nobody(owner: Owner, caller: Link) -> None:
+    owner.serve(SERVICE, lambda request: request.answer(Reply("x" * 10**7)))
+    unread = [caller.send(KEY, None, AT_ONCE_S) for _ in range(3)]
+    with closing(open_link("manager", "host", AT_ONCE_S)) as other:
+        assert len(other.call(KEY, None, AT_ONCE_S).text) == 10**7
+    assert [len(each().text) for each in unread] == [10**7] * 3
+
+
+def test_what_was_sent_before_a_listener_came_is_taken_before_what_follows(
+    owner: Owner, caller: Link
+) -> None:
+    names: list[str] = []
+
+    def take(request: Request) -> None:
+        names.append(request.name)
+        request.answer(Reply(""))
+
+    owner.serve(SERVICE, take)
+    first = caller.send(KEY, "x", AT_ONCE_S)
+    caller.listen(zenoh_keys.line_key(SERVICE, "tree"), print)
+    caller.call(zenoh_keys.property_key(SERVICE, "q"), "x", AT_ONCE_S)
+    first()
+    assert names == ["p", "manager.pid", "q"]
+
+
+RUBBISH = [
+    b"GET / HTTP/1.1\r\n\r\n",
+    b"\xff" * 64,
+    b"\0\0\0\0",
+    b"\x29\0\0\0" + b"\xff" * 41,
+]
+
+
+@pytest.mark.parametrize("said", RUBBISH)
+def test_rubbish_is_hung_up_on(owner: Owner, caller: Link, said: bytes) -> None:
+    owner.serve(SERVICE, lambda request: request.answer(Reply("here")))
+    with unix.connect(places.request_socket("manager"), AT_ONCE_S) as end:
+        end.sendall(said)
+        assert end.recv(64) == GREETING
+        assert end.recv(64) == b""
+    assert caller.call(KEY, None, AT_ONCE_S) == Reply("here")
+
+
+@pytest.mark.parametrize("name", ["", "@/", "@/a//b", "@/a*", "@x/**", "x/a", "@/a?b=c", "@/a b"])
+def test_what_is_no_name_of_a_property(owner: Owner, name: str) -> None:
+    owner.serve(SERVICE, lambda request: request.answer(Reply("here")))
+    connection = connect(places.request_socket("manager"), AT_ONCE_S)
+    reply = connection.send(name, None, AT_ONCE_S)()
+    assert reply == Reply(f"not a property: {name}", Malformed.kind)
+    connection.close()
+
+
+def test_a_payload_that_is_no_text(owner: Owner, caller: Link) -> None:
+    owner.serve(SERVICE, lambda request: request.answer(Reply("here")))
+    assert caller.call(KEY, "a\udcff", AT_ONCE_S).error == Malformed.kind
+
+
+def test_a_manager_that_does_not_answer_at_once(folder: str) -> None:
+    with unix.listen(places.request_socket("manager")):
+        with pytest.raises(Unreachable, match=r"no answer within 0.01 s"):
+            open_link("manager", "host", 0.01)
+        with pytest.raises(Unreachable, match=r"no answer within 0.01 s"):
+            open_link("manager", "host", 0.01)

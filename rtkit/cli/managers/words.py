@@ -150,7 +150,7 @@ def _stop(app: App, name: str, *, is_kept: bool) -> None:
 def _end_remains(name: str) -> int:
     from rtkit.link.running import traces
 
-    own = (places.manager_socket(name), places.control_socket(name), places.manager_lock(name))
+    own = (*places.sockets_of(name), places.manager_lock(name))
     if not traces(name) and not any(map(os.path.lexists, own)):
         return 0
     from rtkit.manager.predecessor.stale_resources import end_remains
