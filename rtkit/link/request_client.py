@@ -157,15 +157,15 @@ def connect(path: str, timeout_s: float) -> RequestConnection:
     until = monotonic() + timeout_s
     end = unix.connect_to_manager(path, timeout_s)
     try:
-        said = b""
-        while len(said) < len(GREETING):
+        greeting = b""
+        while len(greeting) < len(GREETING):
             end.settimeout(max(until - monotonic(), 0.001))
-            data = end.recv(len(GREETING) - len(said))
+            data = end.recv(len(GREETING) - len(greeting))
             if not data:
                 raise ConnectionResetError
-            said += data
-        if said != GREETING:
-            raise Malformed(f"no manager of this version: {said!r}")
+            greeting += data
+        if greeting != GREETING:
+            raise Malformed(f"no manager of this version: {greeting!r}")
     except BaseException:
         end.close()
         raise

@@ -26,11 +26,11 @@ _MOST = 1 << 28
 
 def request_frame(number: int, name: str, payload: str | None, deadline: bytes) -> bytes:
     """Return a request, a GET without a payload; its deadline is of `rtkit.link.deadline`."""
-    called, given = name.encode("utf-8", "surrogateescape"), b""
+    called, sent = name.encode("utf-8", "surrogateescape"), b""
     if payload is not None:
-        given = payload.encode("utf-8", "surrogateescape")
+        sent = payload.encode("utf-8", "surrogateescape")
     head = _REQUEST.pack(number, payload is not None, deadline, len(called))
-    return _SIZE.pack(len(head) + len(called) + len(given)) + head + called + given
+    return _SIZE.pack(len(head) + len(called) + len(sent)) + head + called + sent
 
 
 def request_of(frame: bytes) -> tuple[int, str, bytes | None, bytes]:
@@ -51,9 +51,9 @@ def request_of(frame: bytes) -> tuple[int, str, bytes | None, bytes]:
 
 def reply_frame(number: int, text: str, kind: str) -> bytes:
     """Return a reply; the kind is that of an error, or empty."""
-    said, of_error = text.encode("utf-8", "surrogateescape"), kind.encode()
+    body, of_error = text.encode("utf-8", "surrogateescape"), kind.encode()
     head = _REPLY.pack(number, len(of_error))
-    return _SIZE.pack(len(head) + len(of_error) + len(said)) + head + of_error + said
+    return _SIZE.pack(len(head) + len(of_error) + len(body)) + head + of_error + body
 
 
 def reply_of(frame: bytes) -> tuple[int, str, str]:

@@ -10,7 +10,6 @@ import json
 import sys
 from collections.abc import Callable, Mapping
 from enum import Enum
-from inspect import get_annotations
 from types import ModuleType, UnionType
 from typing import Any, ForwardRef, TypeVar, Union, cast, get_args, get_origin
 
@@ -141,7 +140,7 @@ def _record_encoder(cls: Any) -> Coder:
 def hint_of(cls: type, name: str) -> Any:
     """Return the type of a field."""
     for owner in cls.__mro__:
-        annotation = get_annotations(owner).get(name)
+        annotation = getattr(owner, "__annotations__", {}).get(name)  # its own only
         if annotation is not None:
             break
     if isinstance(annotation, ForwardRef):  # as a NamedTuple keeps them

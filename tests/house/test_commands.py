@@ -389,7 +389,7 @@ for file in Path(zygote.__file__).parents[2].glob("container/*.py"):
     for function in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(function, ast.FunctionDef):
             late |= {n.module for n in ast.walk(function) if isinstance(n, ast.ImportFrom)}
-between_hosts = {"rtkit.link.routed_streams", "rtkit.link.zenoh"}  # few need that library
+between_hosts = {"rtkit.link.routed_streams"}  # few need that library
 print(len(late) > 3, sorted(late - set(sys.modules) - between_hosts))
 """
 
