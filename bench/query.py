@@ -4,32 +4,25 @@ from __future__ import annotations
 
 import sys
 
-from rtkit.link import places, zenoh_keys
+from rtkit.link import places
 from rtkit.tree.client import Tree
 
-FLOOR_IS = "python -c: import click and zenoh, open a client session, one query, close"
+FLOOR_IS = "python -c: import click and socket, connect to the manager, one request, close"
 PROFILE_IS = f"{FLOOR_IS}; import lxml and parse the same profile"
 _SCRIPT = """
-import click, zenoh
+import click, socket, struct
 {more}
-c = zenoh.Config()
-for k, v in (
-    ("mode", '"client"'),
-    ("connect/endpoints", '["unixsock-stream/{socket}"]'),
-    ("scouting/multicast/enabled", "false"),
-    ("scouting/gossip/enabled", "false"),
-    ("connect/timeout_ms", "0"),
-):
-    c.insert_json5(k, v)
-s = zenoh.open(c)
-for r in s.get(
-    "{key}",
-    handler=zenoh.handlers.FifoChannel(16),
-    consolidation=zenoh.ConsolidationMode.NONE,
-    timeout=5.0,
-):
-    print(len(r.ok.payload.to_string()))
-s.close()
+end = socket.socket(socket.AF_UNIX)
+end.connect("{path}")
+greeting = end.recv(8)
+name, deadline = b"@x/listing", struct.pack("@16sdd", b"", 0.0, 5.0)
+body = struct.pack("<I?32sI", 1, False, deadline, len(name)) + name
+end.sendall(struct.pack("<I", len(body)) + body)
+size, reply = struct.unpack("<I", end.recv(4))[0], b""
+while len(reply) < size:
+    reply += end.recv(65536)
+print(len(reply[5:].decode()))
+end.close()
 """
 
 
@@ -38,7 +31,6 @@ def floor(tree: Tree, profile: str = "") -> list[str]:
 
     With a profile it parses that first, as commands must that read one.
     """
-    key = zenoh_keys.extension_key(zenoh_keys.service(tree.host, tree.manager), "listing")
     more = f"import lxml.etree; lxml.etree.parse({profile!r})" if profile else ""
-    script = _SCRIPT.format(socket=places.manager_socket(tree.manager), key=key, more=more)
+    script = _SCRIPT.format(path=places.request_socket(tree.manager), more=more)
     return [sys.executable, "-c", script]
