@@ -80,7 +80,7 @@ def main() -> None:
 
 def _keep(host: Host, state: HostLink) -> None:
     """Hold the link, and make it again whenever it is lost; a signal of the manager hastens it."""
-    linked_at, tries, relay = time.monotonic(), 0, 0
+    linked_at, tries, relay = time.monotonic(), 0, ""
     while True:
         is_denied, tried_at = False, time.monotonic()
         with ExitStack() as stack:
@@ -128,21 +128,22 @@ def _knock(host: Host) -> None:
         raise Unreachable(f"{host.name} ({place}): {text}") from error
 
 
-def _join(host: Host, manager: str, stack: ExitStack, former: int) -> tuple[Callable[[], str], int]:
-    """Join both routers; return what waits for the end of that and says why, and the relay's id.
+def _join(host: Host, manager: str, stack: ExitStack, former: str) -> tuple[Callable[[], str], str]:
+    """Join both routers; return what waits for the end of that and says why, and the id there.
 
-    The relay of the link before, 0 without one, is ended first.
+    That is of the relay, or the connection. The one of the link before, empty without one, is
+    ended first.
 
     Raises:
         RtkitError: They cannot be joined.
     """
     connection: HostConnection | TlsConnection
     channel: Channel | TlsConnection
-    relay = 0
     if host.is_tls:
         from rtkit.hosts.tls_connection import TlsConnection
 
-        connection = channel = stack.enter_context(TlsConnection(host, places.host_name()))
+        linked = stack.enter_context(TlsConnection(host, places.host_name(), former))
+        connection, channel, relay = linked, linked, linked.id
     else:
         connection = stack.enter_context(connect(host))
         channel, relay = open_relay(connection, host, former)
@@ -176,16 +177,16 @@ def _join(host: Host, manager: str, stack: ExitStack, former: int) -> tuple[Call
     return lost, relay
 
 
-def open_relay(connection: HostConnection, host: Host, former: int = 0) -> tuple[Channel, int]:
+def open_relay(connection: HostConnection, host: Host, former: str = "") -> tuple[Channel, str]:
     """Start the relay; return its input and output once it is through to the manager there.
 
-    With its id, 0 for one that does not tell it. It ends the `former` one, of the link before.
+    With its id, empty for one that does not tell it. It ends the `former` one, of the link before.
 
     Raises:
         Unreachable: It is not; tells why.
     """
     python = far_program.python(connection)
-    words = [host.manager, *([str(former)] if former else [])]
+    words = [host.manager, *([former] if former else [])]
     channel = connection.open([*python, "-m", "rtkit.hosts.relay", *words])
     until = time.monotonic() + _READY_S
     text, ready = bytearray(), f"{READY}\n".encode()
@@ -206,7 +207,7 @@ def open_relay(connection: HostConnection, host: Host, former: int = 0) -> tuple
         raise Unreachable(f"{host.name}: {why}")
     channel.settimeout(None)
     *_, own = b"", *text.removesuffix(ready).split()
-    return channel, int(own) if own.isdigit() and len(own) < _DIGITS else 0
+    return channel, own.decode() if own.isdigit() and len(own) < _DIGITS else ""
 
 
 def _wake(listener: socket.socket) -> None:

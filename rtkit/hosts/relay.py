@@ -20,6 +20,7 @@ from contextlib import suppress
 
 from rtkit.errors import RtkitError
 from rtkit.link import places, running, unix
+from rtkit.link.host_links import SETTLE_S
 from rtkit.link.processes import ProcessWatch
 from rtkit.link.threads import start_thread
 
@@ -27,9 +28,6 @@ READY = "rtkit-relay 1"
 _CHUNK = 1 << 16
 _END_S = 1.0
 """How long the relay before may take to end [s]."""
-_SETTLE_S = 0.5
-"""How long a router may take to have forgotten what came by a link that has ended [s]. Zenoh
-computes its routes 0.1 s after such a change, and tells nobody when that is done."""
 _MODULE = b"rtkit.hosts.relay"
 
 
@@ -38,7 +36,7 @@ def main() -> int:
     name = sys.argv[1] if len(sys.argv) > 1 else places.DEFAULT_MANAGER
     places.keep_runtime_folder()
     if len(sys.argv) > 2 and sys.argv[2].isdecimal() and end_relay(int(sys.argv[2])):
-        time.sleep(_SETTLE_S)
+        time.sleep(SETTLE_S)
     try:
         if places.owner(name) is None:
             raise ConnectionError(running.why_absent(name, places.host_name()))

@@ -34,14 +34,16 @@ class TlsConnection(Closing):
 
     Attributes:
         longest_silence_s: How long the far side may be silent until it is given up [s].
+        id: By which the gateway there knows it; empty where that is of an older version.
     """
 
-    def __init__(self, host: Host, near: str) -> None:
+    def __init__(self, host: Host, near: str, former: str = "") -> None:
         """Connect.
 
         Args:
             host: Where to.
             near: Name of this host there.
+            former: Id of the connection of the link before, which ends first; empty for none.
 
         Raises:
             Unreachable: Nobody answers there, or another manager than was meant.
@@ -56,7 +58,7 @@ class TlsConnection(Closing):
             self.longest_silence_s = longest_silence(time.monotonic() - began)
             client = _client(host)
             try:
-                _asked(host, client, _ROUTER, near)
+                self.id = _asked(host, client, _ROUTER, f"{near} {former}".rstrip())
             except BaseException:
                 client.close()
                 raise

@@ -16,6 +16,9 @@ from rtkit.link import places
 _SUFFIX = ".link"
 NOT_YET = "not linked yet"
 """Why a host cannot be reached while its link is being made for the first time."""
+SETTLE_S = 0.5
+"""How long a router may take to have forgotten what came by a link that has ended [s]. Zenoh
+computes its routes 0.1 s after such a change, and tells nobody when that is done."""
 COMM = "rtkit-> "
 """How the name of a process of a link begins."""
 

@@ -111,6 +111,28 @@ def test_rubbish_on_a_link_ends_that_link_only(robot: Robot) -> None:
     assert _linked(robot).split()[-1:] == ["linked"]
 
 
+def test_a_link_that_is_made_again_ends_the_one_before(robot: Robot) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RTKIT_KEYS", robot.keys)
+        issue("mia", "administrator", [], 30, f"{robot.keys}.mia")
+    with contextlib.ExitStack() as stack:
+        first, second = (stack.enter_context(robot.connected("owner1")) for _ in range(2))
+        other = stack.enter_context(robot.connected("mia"))
+        id = first.ask("%40x%2Frouter", "robot9").value()
+        end = first.detach()
+        end.setblocking(False)
+        assert other.ask("%40x%2Frouter", f"robot9 {id}").value() not in ("", id)
+        with pytest.raises(BlockingIOError):  # nobody else ends it
+            end.recv(1 << 16)
+        end.settimeout(BOUND_S)
+        assert second.ask("%40x%2Frouter", f"robot9 {id}").value() not in ("", id)
+        while end.recv(1 << 16):
+            pass
+    linked = [each["what"] for each in robot.record() if "robot9" in each["what"]]
+    assert set(linked) == {"link host robot9 at manager"}
+    assert _linked(robot).split()[-1:] == ["linked"]
+
+
 def test_the_manager_there_is_the_one_that_is_meant(robot: Robot) -> None:
     shell = robot.shell
     shell.ok(f"rthost add robot2 tls:{AT}:{robot.port}")

@@ -75,7 +75,7 @@ def permission(name: str, payload: str | None) -> Permission:
     if name == RESTART and payload not in (None, "", "forget"):
         raise Refused("a restart is reported to processes of the manager's own host only")
     if name == ROUTER and payload is not None:
-        return Permission(ADMINISTRATOR, f"link host {shown(payload)}")
+        return Permission(ADMINISTRATOR, f"link host {shown(payload.partition(' ')[0])}")
     if name == LOCK and payload is not None:
         return Permission(OPERATOR, "take the lock of plans")
     if name == _TERMINAL and payload is not None:

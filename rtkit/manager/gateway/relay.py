@@ -7,7 +7,6 @@ Requests that take more than looking, and denied ones, are on record in the audi
 from __future__ import annotations
 
 import json
-import select
 import socket
 import threading
 from collections.abc import Callable
@@ -23,9 +22,11 @@ from rtkit.errors import RtkitError, Unreachable
 from rtkit.keys.roles import includes
 from rtkit.keys.tls import Trust
 from rtkit.link import places, zenoh_keys
+from rtkit.link.host_links import SETTLE_S
 from rtkit.link.tcp_endpoint import Identity
 from rtkit.link.zenoh import ZenohLink
 from rtkit.manager.core.secrets import HIDDEN, hidden_in_json, is_secret
+from rtkit.manager.gateway.connection import GatewayConnection
 from rtkit.manager.gateway.permissions import (
     ADMINISTRATOR,
     LOCK,
@@ -35,7 +36,7 @@ from rtkit.manager.gateway.permissions import (
     permission,
 )
 from rtkit.manager.gateway.plan_locks import PlanLocksOfClients
-from rtkit.manager.gateway.router_end import RouterEnd
+from rtkit.manager.gateway.router_links import RouterLinks
 from rtkit.manager.gateway.taps import PREFIX, Taps
 from rtkit.property.access import EndpointLimits
 from rtkit.property.codes import PropertyError
@@ -46,7 +47,7 @@ from rtkit.property.subscription import Listener, SubscriptionOptions
 from rtkit.serving.event_loop import PropertyEventLoop
 from rtkit.serving.provider import PropertyProvider
 from rtkit.serving.quota import EndpointQuota
-from rtkit.wires.line.secure import Entered, SecureConnection
+from rtkit.wires.line.secure import Entered
 from rtkit.wires.secure import SecureAcceptor, SecureStream
 
 NAME = "manager"
@@ -55,93 +56,10 @@ IDENTITY = "~identity"
 LIMITS = EndpointLimits(connections=128, listeners=8, door_listeners=1024, rate=500, size=1 << 22)
 """Limits of all clients; a batch of 10,000 creations has 2 MB."""
 _LISTEN = ".listen"
-_MOST_UNDER_WAY = 32
-"""Requests of one client that are passed on at a time."""
 _TIMEOUT_S = 10.0
-_CHUNK, _HIGH = 1 << 16, 1 << 20
-"""Size of one read of a link, and of the data that may wait to be sent [bytes]."""
 _LONGEST_S = 7 * 86_400.0
 _QUEUE = SubscriptionOptions(queue=256, is_all=True)
 """Texts that wait for one listener; a listener that misses one takes a new snapshot."""
-
-
-class GatewayConnection(SecureConnection):
-    """Client of a gateway; the relay itself keeps the record of what it asks."""
-
-    def audited(self, ask: PropertyRequest, service: str) -> PropertyRequest:
-        """See `Requester.audited`."""
-        return ask
-
-    _router: RouterEnd | None = None
-    _is_slowed = False
-
-    def join(self, path: str) -> None:
-        """Be a link to the router of the manager at a socket, after what is answered now.
-
-        Raises:
-            Unreachable: The manager does not answer.
-        """
-        self._router = RouterEnd(self._host, path, self)
-
-    def ready(self, mask: int) -> bool:
-        """See `IOHandler.ready`."""
-        if self._router is None:
-            is_done = super().ready(mask)
-            if self._is_slowed:
-                self.wake()
-            return is_done
-        if mask & ~select.EPOLLOUT and (data := self._receive(_CHUNK)):
-            self._router.pass_on(data)
-        self._send()
-        return False
-
-    def send_bytes(self, data: bytes) -> None:
-        """Send what the router says."""
-        self._out += data
-        self._send()
-
-    @property
-    def is_full(self) -> bool:
-        """Return whether it takes less than the router says."""
-        return len(self._out) > _HIGH
-
-    def _send(self) -> None:
-        super()._send()
-        if self._router is not None and self._router.is_open:
-            self._router.await_room()
-
-    def close(self) -> None:
-        """See `SocketClient.close`."""
-        if self._router is not None:
-            self._router.close()
-        super().close()
-
-    def _is_full(self) -> bool:
-        if self._router is not None:
-            return self._router.is_full
-        # A client that reads no answers, of which each may be large, is asked for no further
-        # request. One that asks too often waits: a script in a loop is to be slow, and not to fail.
-        if self._wait_s() > 0:
-            self._is_slowed = True  # until `_work` looks again: requests may be left in its buffer
-            return True
-        return self._order.waiting >= _MOST_UNDER_WAY or super()._is_full()
-
-    def _work(self) -> None:
-        self._is_slowed = False
-        super()._work()
-
-    def _wait_s(self) -> float:
-        return self._pace.wait_s(monotonic()) if self.is_open and self._pace is not None else 0.0
-
-    def flush(self, now: float) -> float | None:
-        """See `IOHandler.flush`."""
-        due = super().flush(now)
-        return min(due or inf, now + self._wait_s()) if self._is_slowed else due
-
-    def record(self, what: str, result: str) -> None:
-        """Put on record what the client has done, or tried to do."""
-        if self.peer is not None:
-            self._record(self.peer, what, result)
 
 
 class _Topic:
@@ -173,6 +91,7 @@ class ManagerRelay(PropertyProvider):
         self._topics: dict[str, _Topic] = {}
         self._locks = PlanLocksOfClients(identity.host)
         self._taps = Taps(host, identity.manager)
+        self._links = RouterLinks()
         self._under_way = 0
         self._is_answered = threading.Event()
         self._is_answered.set()
@@ -218,13 +137,30 @@ class ManagerRelay(PropertyProvider):
         wanted = permission(name, payload)
         self._check(wanted, caller)
         if name == ROUTER and payload is not None:
-            caller.join(places.manager_socket(self._identity.manager))
-            caller.record(f"{wanted.what} at {self._identity.manager}", "done")
-            ask.answer(DONE)
+            self._link_up(ask, payload, caller, wanted)
             return
         if name == LOCK and payload is not None:
             payload = self._locks.stated(payload, caller, f"{caller.identity} at {caller.address}")
         self._pass_on(ask, name, payload, wanted)
+
+    def _link_up(
+        self, ask: PropertyRequest, payload: str, caller: GatewayConnection, wanted: Permission
+    ) -> None:
+        """Have a client be a link; the answer is the id that it tells when it is made again."""
+
+        def join() -> None:
+            try:
+                caller.join(places.manager_socket(self._identity.manager))
+            except Unreachable as error:
+                ask.answer(Answer(str(error), error.kind))
+                return
+            caller.record(f"{wanted.what} at {self._identity.manager}", "done")
+            ask.answer(Answer(self._links.add(caller)))
+
+        if self._links.end(payload.partition(" ")[2], caller):
+            caller.do_at(monotonic() + SETTLE_S, join)
+        else:
+            join()
 
     def _tap(self, ask: PropertyRequest, word: str, caller: GatewayConnection) -> None:
         def record(what: str, result: str) -> None:
@@ -338,6 +274,7 @@ class ManagerRelay(PropertyProvider):
     def forget(self, caller: Requester) -> None:
         """See `PropertyProvider.forget`: what it listens to ends, and the locks that it has."""
         self._taps.forget(caller)
+        self._links.forget(caller)
         for given in self._locks.left_by(caller):
             with suppress(Unreachable):
                 key = f"{self._service}/{LOCK}"
