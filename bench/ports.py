@@ -58,8 +58,12 @@ def _trip() -> Lines:
 
 def _image() -> Lines:
     what = f"round trip of an image of {IMAGE.size // 1_000_000} MB through two processes"
-    if importlib.util.find_spec("iceoryx2") is None:
-        yield Missing(what, "pip install iceoryx2")
+    # It imports the second one without declaring it.
+    absent = [
+        each for each in ("iceoryx2", "flatbuffers") if importlib.util.find_spec(each) is None
+    ]
+    if absent:
+        yield Missing(what, f"pip install {' '.join(absent)}")
         return
     kind = "iceoryx2"
     yield from by_placement(what, IMAGE, partial(raw, kind), _floor_is(kind), 1.2)
