@@ -20,6 +20,7 @@ from rtkit.link import unix
 from rtkit.link.deadline import deadline_from_bytes
 from rtkit.link.places import remove_socket
 from rtkit.link.request_frames import GREETING, reply_frame, request_of, take_frame
+from rtkit.link.spare_descriptor import SpareDescriptor
 from rtkit.property.exchange import Reply, Request
 
 _log = logging.getLogger(__name__)
@@ -43,6 +44,7 @@ class RequestServer:
         self._take = take
         self._listener = unix.listen(path, backlog=_BACKLOG)
         self._listener.setblocking(False)
+        self._spare = SpareDescriptor()
         self._epoll = select.epoll()
         self._clients: dict[int, _Client] = {}
         self._epoll.register(self._listener, select.EPOLLIN)
@@ -65,8 +67,10 @@ class RequestServer:
             end, _ = self._listener.accept()
         except BlockingIOError:
             return  # it has gone again
-        except OSError as error:  # no descriptor is left
-            _log.warning("a command cannot be let in: %s", error)
+        except OSError as error:
+            _log.error("no command can connect: %s", error.strerror)
+            with suppress(OSError):  # it waits still, and is turned to again
+                self._spare.turn_away(self._listener)
             return
         self._clients[end.fileno()] = _Client(end, self._epoll, self._take, self._clients.pop)
 
@@ -76,6 +80,7 @@ class RequestServer:
         remove_socket(self._path)
         for client in list(self._clients.values()):
             client.close()
+        self._spare.close()
         self._epoll.close()
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import queue
+import resource
 import select
 import tempfile
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager, suppress
 from typing import NamedTuple
 
 import pytest
@@ -392,3 +393,34 @@ def test_a_manager_that_does_not_answer_at_once(folder: str) -> None:
             open_link("manager", "host", 0.01)
         with pytest.raises(Unreachable, match=r"no answer within 0.01 s"):
             open_link("manager", "host", 0.01)
+
+
+def test_without_a_descriptor_a_command_is_turned_away_and_the_next_one_is_not(
+    folder: str,
+) -> None:
+    path = places.request_socket("manager")
+    server = RequestServer(path, lambda request: request.answer(Reply("here")))
+    with closing(server), unix.connect(path, AT_ONCE_S) as first:
+        with no_descriptor_left():
+            server.turn()
+        assert first.recv(64) == b""
+        with unix.connect(path, AT_ONCE_S) as second:
+            server.turn()
+            assert second.recv(64) == GREETING
+
+
+@contextmanager
+def no_descriptor_left() -> Iterator[None]:
+    usual = resource.getrlimit(resource.RLIMIT_NOFILE)
+    most = 1 + max(map(int, os.listdir("/proc/self/fd")))
+    taken = []
+    try:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, usual[1]))
+        with suppress(OSError):
+            while True:
+                taken.append(os.open(os.devnull, os.O_RDONLY))
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, usual)
+        for each in taken:
+            os.close(each)

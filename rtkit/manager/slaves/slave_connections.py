@@ -8,12 +8,10 @@ hold.
 from __future__ import annotations
 
 import logging
-import os
 import selectors
 import socket
 import time
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -21,6 +19,7 @@ from rtkit.container.control_channel import ControlChannel
 from rtkit.container.manager_connection import LEAVES, PROTOCOL
 from rtkit.errors import Malformed
 from rtkit.link import unix
+from rtkit.link.spare_descriptor import SpareDescriptor
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.adoption import SETTLE_S
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
@@ -46,7 +45,7 @@ class SlaveConnections:
         self._found: dict[int, ControlChannel] = {}
         self._settled: Callable[[], object] | None = None
         self._settle_by = 0.0
-        self._spare = os.open(os.devnull, os.O_RDONLY)
+        self._spare = SpareDescriptor()
         slave_supervisor.unwatch = self._unwatch
         self._register(listener, lambda _mask: self._accept(listener))
         self._register(slave_supervisor, lambda _mask: self._on_supervisor_message())
@@ -55,8 +54,7 @@ class SlaveConnections:
         """Hang up on everybody."""
         for channel in self._channels.values():
             channel.close()
-        if self._spare >= 0:
-            os.close(self._spare)
+        self._spare.close()
 
     def _register(self, source: Any, react: Callable[[int], object]) -> None:
         self._selector.register(source, _READ, react)
@@ -87,23 +85,14 @@ class SlaveConnections:
             return
         except OSError as error:
             _log.error("no slave can connect: %s", error.strerror)
-            self._turn_away(listener)
+            try:
+                self._spare.turn_away(listener)
+            except OSError as again:
+                _log.error("cannot even refuse it: %s", again.strerror)
             return
         connection.setblocking(False)
         channel = ControlChannel(connection)
         self._register(channel, lambda _mask: self._greet(channel))
-
-    def _turn_away(self, listener: socket.socket) -> None:
-        """Refuse who waits with the descriptor kept for this: else select would return for ever."""
-        if self._spare >= 0:
-            os.close(self._spare)
-            self._spare = -1
-        try:
-            listener.accept()[0].close()
-        except OSError as error:
-            _log.error("cannot even refuse it: %s", error.strerror)
-        with suppress(OSError):  # somebody else was quicker: there is none for the next time
-            self._spare = os.open(os.devnull, os.O_RDONLY)
 
     def _greet(self, channel: ControlChannel) -> None:
         """Take the first message of a connection: a hello, or what a slave that was left holds."""
