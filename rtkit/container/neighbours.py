@@ -48,7 +48,7 @@ def _names(manager: str) -> list[str]:
 
 
 def _listing(manager: str) -> str:
-    from rtkit.link.manager_link import open_link
+    from rtkit.link.requests.manager_link import open_link
 
     host = host_name()
     link = open_link(manager, host, _TIMEOUT_S)

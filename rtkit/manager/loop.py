@@ -27,7 +27,7 @@ from rtkit.deployment.terminal import TERMINAL
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import replace
 from rtkit.link import places, zenoh_keys
-from rtkit.link.request_server import RequestServer
+from rtkit.link.requests.server import RequestServer
 from rtkit.link.transport import Link
 from rtkit.logs.outputs import cut
 from rtkit.manager.core import events as ev

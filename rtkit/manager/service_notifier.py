@@ -134,7 +134,7 @@ def _ask_itself(state: ManagerState) -> None:
     Raises:
         RtkitError: It does not answer in time.
     """
-    from rtkit.link.manager_link import open_link
+    from rtkit.link.requests.manager_link import open_link
 
     link = open_link(state.name, state.host, _ASK_S)
     try:

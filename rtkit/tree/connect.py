@@ -42,7 +42,7 @@ def connect(
     if "/" in name:
         host, _, manager = name.partition("/")
         return connect_far(host, manager, timeout_s, kind)
-    from rtkit.link.manager_link import open_link
+    from rtkit.link.requests.manager_link import open_link
     from rtkit.link.running import why_absent
 
     if not os.path.exists(manager_socket(name)):

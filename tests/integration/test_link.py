@@ -19,10 +19,10 @@ from hypothesis import strategies as st
 
 from rtkit.errors import Malformed, NotFound, Refused, Unreachable
 from rtkit.link import places, unix, zenoh_keys
-from rtkit.link.manager_link import ManagerLink, open_link
-from rtkit.link.request_client import connect
-from rtkit.link.request_frames import GREETING
-from rtkit.link.request_server import RequestServer
+from rtkit.link.requests.client import connect
+from rtkit.link.requests.frames import GREETING
+from rtkit.link.requests.manager_link import ManagerLink, open_link
+from rtkit.link.requests.server import RequestServer
 from rtkit.link.transport import Link
 from rtkit.link.zenoh import ZenohLink, open_client, open_listener, unix_endpoint
 from rtkit.property.exchange import Reply, Request

@@ -32,5 +32,5 @@ def test_a_command_that_asks_loads_no_zenoh(shell: Any, manager: Any, line: str)
         check=False,
     )
     imported = {row.rpartition("|")[2].strip() for row in done.stderr.splitlines()}
-    assert "rtkit.link.request_client" in imported, done.stderr
+    assert "rtkit.link.requests.client" in imported, done.stderr
     assert imported & set(HEAVY) == set()

@@ -42,7 +42,7 @@ AHEAD = (
     "rtkit.component.collisions", "rtkit.component.composite", "rtkit.component.fsm",
     "rtkit.component.timed", "rtkit.deployment.listing", "rtkit.link.running",
     "rtkit.container.metrics", "rtkit.component.fields", "rtkit.component.value_text",
-    "rtkit.settings.values", "rtkit.container.terminals", "rtkit.link.manager_link",
+    "rtkit.settings.values", "rtkit.container.terminals", "rtkit.link.requests.manager_link",
     "encodings.ascii",
 )  # fmt: skip
 """Lazy imports of a container, which attached processes need not have: loaded before any fork,

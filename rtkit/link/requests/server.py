@@ -19,7 +19,7 @@ from rtkit.errors import Malformed
 from rtkit.link import unix
 from rtkit.link.deadline import deadline_from_bytes
 from rtkit.link.places import remove_socket
-from rtkit.link.request_frames import GREETING, reply_frame, request_of, take_frame
+from rtkit.link.requests.frames import GREETING, reply_frame, request_of, take_frame
 from rtkit.link.spare_descriptor import SpareDescriptor
 from rtkit.property.exchange import Reply, Request
 

@@ -10,8 +10,9 @@ from threading import Lock
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Unreachable
-from rtkit.link import places, request_client, zenoh_keys
-from rtkit.link.request_client import GONE, ConnectionEnded, RequestConnection
+from rtkit.link import places, zenoh_keys
+from rtkit.link.requests import client
+from rtkit.link.requests.client import GONE, ConnectionEnded, RequestConnection
 from rtkit.link.transport import Link
 
 if TYPE_CHECKING:
@@ -80,7 +81,7 @@ class ManagerLink(Link):
             if self._connection.has_ended:
                 path = places.request_socket(self._manager)
                 try:
-                    connection = request_client.connect(path, timeout_s)
+                    connection = client.connect(path, timeout_s)
                 except OSError as error:
                     raise Unreachable(GONE) from error
                 self._connection.close()
@@ -115,7 +116,7 @@ def open_link(manager: str, host: str, timeout_s: float) -> Link:
     """
     path = places.request_socket(manager)
     try:
-        connection = request_client.connect(path, timeout_s)
+        connection = client.connect(path, timeout_s)
     except TimeoutError as error:
         raise Unreachable(f"no answer within {timeout_s:g} s") from error
     except OSError:  # an older one has none, and one that ends has it no more

@@ -12,7 +12,7 @@ from time import monotonic
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import unix
 from rtkit.link.deadline import deadline_to_bytes
-from rtkit.link.request_frames import GREETING, reply_of, request_frame, take_frame
+from rtkit.link.requests.frames import GREETING, reply_of, request_frame, take_frame
 from rtkit.property.exchange import Reply
 
 _PIECE = 1 << 16
