@@ -338,6 +338,24 @@ def test_who_reads_no_answers_holds_up_nobody(owner: Owner, caller: Link) -> Non
     assert [len(each().text) for each in unread] == [10**7] * 3
 
 
+def test_of_who_asks_and_reads_no_answers_little_is_taken(owner: Owner, caller: Link) -> None:
+    asked, most = 0, threading.Semaphore(0)
+
+    def take(request: Request) -> None:
+        nonlocal asked
+        asked += 1
+        request.answer(Reply("x" * 10**6))
+        most.release()
+
+    owner.serve(SERVICE, take)
+    awaited = [caller.send(KEY, None, AT_ONCE_S) for _ in range(100)]
+    assert most.acquire(timeout=AT_ONCE_S)
+    with closing(open_link("manager", "host", AT_ONCE_S)) as other:
+        other.call(KEY, None, AT_ONCE_S)
+    assert asked < 10
+    assert [len(each().text) for each in awaited] == [10**6] * 100
+
+
 def test_what_was_sent_before_a_listener_came_is_taken_before_what_follows(
     owner: Owner, caller: Link
 ) -> None:

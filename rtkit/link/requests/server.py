@@ -26,8 +26,8 @@ from rtkit.property.exchange import Reply, Request
 _log = logging.getLogger(__name__)
 _NAME = re.compile(r"(@x?)/([^/*$?#\x00-\x20]+(?:/[^/*$?#\x00-\x20]+)*)(?:\?id=([^?]*))?")
 _PIECE = 1 << 16
-_MOST_WAITING = 1 << 28
-"""How much may wait for a client that does not read [bytes]; then it is hung up on."""
+_MOST_WAITING = 1 << 20
+"""How much waits for a client until nothing more is taken from it [bytes]."""
 _BACKLOG = 4096
 
 
@@ -103,16 +103,38 @@ class _Client:
         self._waiting = bytearray()
         self._lock = Lock()
         self._is_open = True
+        self._is_behind = False
+        self._awaited = select.EPOLLIN
         end.setblocking(False)
-        epoll.register(end, select.EPOLLIN)
+        epoll.register(end, self._awaited)
         self._send(GREETING)
 
     def ready(self, mask: int) -> None:
-        """Send and read what can be."""
+        """Send and read what can be, and take requests while their answers are read."""
         if mask & select.EPOLLOUT:
             self._send(b"")
         if mask & ~select.EPOLLOUT:
             self._read()
+        try:
+            is_behind = self._take_requests()
+        except Malformed as error:
+            _log.warning("a command was hung up on: %s", error)
+            self.close()
+            return
+        with self._lock:
+            self._is_behind = is_behind
+            self._wait()
+
+    def _take_requests(self) -> bool:
+        """Take what has come whole; return whether there may be more, which waits."""
+        while self._is_open:
+            if len(self._waiting) > _MOST_WAITING:
+                return True
+            frame = take_frame(self._received)
+            if frame is None:
+                return False
+            self._ask(frame)
+        return False
 
     def _read(self) -> None:
         try:
@@ -125,12 +147,6 @@ class _Client:
             self.close()
             return
         self._received += data
-        try:
-            while self._is_open and (frame := take_frame(self._received)) is not None:
-                self._ask(frame)
-        except Malformed as error:
-            _log.warning("a command was hung up on: %s", error)
-            self.close()
 
     def _ask(self, frame: bytes) -> None:
         number, name, payload, deadline = request_of(frame)
@@ -156,7 +172,6 @@ class _Client:
         with self._lock:
             if not self._is_open:
                 return
-            had_waiting = bool(self._waiting)
             self._waiting += data
             try:
                 sent = self._end.send(self._waiting)
@@ -165,13 +180,17 @@ class _Client:
                 pass
             except OSError:
                 self._waiting.clear()  # it has gone, which is read next
-            if len(self._waiting) > _MOST_WAITING:
-                _log.warning("a command that reads no answers was hung up on")
-                self._end.shutdown(socket.SHUT_RDWR)  # which is read next
-                self._waiting.clear()
-            if had_waiting != bool(self._waiting):
-                wanted = select.EPOLLIN | (select.EPOLLOUT if self._waiting else 0)
-                self._epoll.modify(self._descriptor, wanted)
+            self._wait()
+
+    def _wait(self) -> None:
+        """Wait for what can be done next; with the lock."""
+        if not self._is_open:
+            return
+        reads = select.EPOLLIN if len(self._waiting) <= _MOST_WAITING else 0
+        writes = select.EPOLLOUT if self._waiting or self._is_behind else 0
+        if reads | writes != self._awaited:
+            self._awaited = reads | writes
+            self._epoll.modify(self._descriptor, self._awaited)
 
     def close(self) -> None:
         """Hang up; on the thread of the loop."""
