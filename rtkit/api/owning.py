@@ -136,7 +136,6 @@ def absent_hosts(document: SystemProfile) -> Iterator[str]:
     One on which the profile has components is linked by its plan.
     """
     from rtkit.deployment.owned import rules_of
-    from rtkit.hosts import inventory
     from rtkit.link import host_links, places
     from rtkit.rtc.names import is_local_host
 
@@ -148,6 +147,8 @@ def absent_hosts(document: SystemProfile) -> Iterator[str]:
         for host in rule.hosts:
             if is_local_host(host, places.host_name()) or host_links.is_linked(host):
                 continue
+            from rtkit.hosts import inventory
+
             why = f"is not known, and is left out (rthost add {host} USER@ADDRESS)"
             if host in inventory.read():
                 if host in used:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rtkit.api.session import Session
     from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.facts import Snapshot
-    from rtkit.packages.needing import Question, Survey
+    from rtkit.packages.records import Question, Survey
     from rtkit.packages.wheel_target import WheelTarget
     from rtkit.profile.rts_model import ComponentInstance
 
@@ -78,12 +78,14 @@ class PackageHosts:
         Raises:
             RtkitError: It cannot be, and is to be started.
         """
-        from rtkit.packages.needing import Survey, survey
+        from rtkit.packages.records import Survey
 
         if host == LOCAL and next(folders(), None) is None:
             return Survey()
         types = tuple(dict.fromkeys(self.types_on(host).values()))
         if host == LOCAL:
+            from rtkit.packages.needing import survey
+
             found = survey(self._question(host, types, notes=notes), self.session.timeout_s)
             if found.unknown:
                 text = f"packages that nothing uses are not removed: {found.unknown}"
@@ -109,13 +111,15 @@ class PackageHosts:
         Raises:
             RtkitError: The host cannot be asked.
         """
+        asked = self._question(host, (), notes=False)
+        if host != LOCAL:
+            return self._far(host, asked)
         from rtkit.packages.needing import survey
 
-        asked = self._question(host, (), notes=False)
-        return survey(asked, self.session.timeout_s) if host == LOCAL else self._far(host, asked)
+        return survey(asked, self.session.timeout_s)
 
     def _question(self, host: str, types: tuple[str, ...], *, notes: bool) -> Question:
-        from rtkit.packages.needing import Question
+        from rtkit.packages.records import Question
 
         managers = tuple(split_manager(each.manager)[0] for each in self._on(host))
         return Question(self.document.profile.id, types, managers, notes)
@@ -143,7 +147,7 @@ class PackageHosts:
         from rtkit.hosts.connection import connect
         from rtkit.hosts.host import named
         from rtkit.hosts.wheels import target_of
-        from rtkit.packages.needing import Survey
+        from rtkit.packages.records import Survey
 
         known = inventory.host(host)
         with connect(known, self.session.timeout_s) as connection:

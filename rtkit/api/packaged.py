@@ -18,9 +18,7 @@ if TYPE_CHECKING:
     from rtkit.api.system_profiles import SystemProfile
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.system import KnownType
-    from rtkit.packages.installed import Installed
-    from rtkit.packages.needing import Survey
-    from rtkit.packages.offering import Offering
+    from rtkit.packages.records import Installed, Offering, Survey
     from rtkit.packages.wheel_target import WheelTarget
     from rtkit.profile.rts_model import ComponentInstance
 
@@ -159,6 +157,8 @@ def _supply(
     pending: Mapping[str, str], hosts: PackageHosts, places: Sequence[str]
 ) -> tuple[dict[str, Offering], dict[str, str]]:
     """Return an offering for each pending component that has one, and why some cannot be had."""
+    if not pending:
+        return {}, {}
     from rtkit.packages.offering import offerings
     from rtkit.packages.supply import Supply, supply
 

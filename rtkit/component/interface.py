@@ -21,7 +21,6 @@ from rtkit.fast_dataclass import MISSING, make_dataclass
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_PLAIN = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
 _BUILT_IN = ("object", "Protocol", "Generic", "ABC")
 
 
@@ -470,8 +469,9 @@ def _without_self(signature: inspect.Signature) -> inspect.Signature:
 
 
 def _hints(function: Callable[..., Any], label: str) -> dict[str, Any]:
+    plain = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
     for parameter in list(inspect.signature(function).parameters.values())[1:]:
-        if parameter.kind not in _PLAIN:
+        if parameter.kind not in plain:
             raise Malformed(f"{label} has parameter {parameter}, which cannot be carried")
     try:
         return get_type_hints(function, include_extras=True)

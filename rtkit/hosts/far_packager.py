@@ -20,14 +20,14 @@ from rtkit.hosts.far_program import MARK
 from rtkit.link import places
 from rtkit.packages.bundle import SUFFIX, unpacked
 from rtkit.packages.installed import (
-    Installed,
     install_wheels,
     installed,
     kept_wheels,
     meant,
     remove,
 )
-from rtkit.packages.needing import Question, Survey, survey
+from rtkit.packages.needing import survey
+from rtkit.packages.records import Installed, Question, Survey
 from rtkit.packages.resolving import requirement
 from rtkit.packages.usage import check_unused
 from rtkit.packages.wheel import named, read_wheel

@@ -18,7 +18,7 @@ from rtkit.hosts.far_packager import PackageAnswer
 from rtkit.hosts.progress import HostStep, Progress, unshown
 from rtkit.packages import bundle
 from rtkit.packages.installed import work_folder
-from rtkit.packages.needing import Question, Survey
+from rtkit.packages.records import Question, Survey
 from rtkit.rtc.serde import decode_text, encode_text
 
 _FAR_S = 60.0

@@ -21,9 +21,9 @@ from packaging.tags import sys_tags
 from packaging.utils import canonicalize_name, parse_wheel_filename
 
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.fast_dataclass import Record
 from rtkit.modules.package_folders import RECORD, folders, root
 from rtkit.packages.bundle import unpacked
+from rtkit.packages.records import Installed
 from rtkit.packages.repository import Repositories
 from rtkit.packages.resolving import fetch, resolve
 from rtkit.packages.signing import are_required, check
@@ -37,22 +37,6 @@ SYSTEMS = ".rtkit-systems.json"
 """File of a version's folder: the systems that plans installed it for; it goes with it."""
 Digests = dict[str, str]
 """SHA-256 in hexadecimal by the name of a wheel's file."""
-
-
-class Installed(Record):
-    """A version of a package that is installed; `wheels` are its own and those that it needs."""
-
-    name: str
-    version: str
-    path: str
-    types: tuple[str, ...]
-    requires: tuple[str, ...]
-    wheels: Mapping[str, str]
-
-    @property
-    def text(self) -> str:
-        """``NAME==VERSION``."""
-        return f"{self.name}=={self.version}"
 
 
 def installed() -> list[Installed]:

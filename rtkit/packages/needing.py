@@ -9,45 +9,13 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator
 
 from rtkit.errors import Unreachable
-from rtkit.fast_dataclass import Record, field
-from rtkit.packages.installed import SYSTEMS, Installed, installed
-from rtkit.packages.offering import Offering, offerings
+from rtkit.packages.installed import SYSTEMS, installed
+from rtkit.packages.offering import offerings
+from rtkit.packages.records import Installed, Question, Survey
 from rtkit.packages.usage import users
-
-
-class Survey(Record):
-    """Packages of a host as a system sees them.
-
-    Attributes:
-        installed: All, ``NAME==VERSION``.
-        offers: What offers the types that were asked for, by id, the newest first.
-        surplus: What the system was installed with and needs no longer: folders by package.
-        unknown: Why some may be surplus, too.
-    """
-
-    installed: tuple[str, ...] = ()
-    offers: Mapping[str, tuple[Offering, ...]] = field(default_factory=dict)
-    surplus: Mapping[str, str] = field(default_factory=dict)
-    unknown: str = ""
-
-
-class Question(Record):
-    """Question of a system about the packages of a host.
-
-    Attributes:
-        system: Id of the system.
-        types: Ids of the types that it needs on the host.
-        managers: Its managers there: what no other uses may be surplus.
-        notes: Note that it needs what was installed for others.
-    """
-
-    system: str
-    types: tuple[str, ...]
-    managers: tuple[str, ...]
-    notes: bool = False
 
 
 def survey(asked: Question, timeout_s: float) -> Survey:

@@ -12,25 +12,18 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from rtkit.deployment.described import properties_of
 from rtkit.deployment.extension import CREATE, MODULE, STAND_IN
 from rtkit.errors import Malformed
-from rtkit.fast_dataclass import Record, replace
+from rtkit.fast_dataclass import replace
 from rtkit.modules.describing import describe
 from rtkit.modules.search import versions
-from rtkit.packages.installed import Installed, installed
+from rtkit.packages.installed import installed
+from rtkit.packages.records import Offering
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import ComponentInstance, RtsProfile
 from rtkit.rtc.create import CreateString, readable_create
-from rtkit.rtc.profiles import TypeProfile, split_module
+from rtkit.rtc.profiles import split_module
 
 Offers = Callable[[str, str, str], bool]
 """Tells of a component whether a module, ``PATH:INIT``, offers the type of a create string."""
-
-
-class Offering(Record):
-    """Offer of a package to make components of a type; the module is ``NAME==VERSION:INIT``."""
-
-    package: Installed
-    type: TypeProfile
-    module: str
 
 
 def offerings(ids: Collection[str]) -> dict[str, list[Offering]]:

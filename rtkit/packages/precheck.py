@@ -5,17 +5,10 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from rtkit.component.composite import TYPES as COMPOSITES
-from rtkit.deployment.described import properties_of, type_of
-from rtkit.deployment.extension import CREATE, MODULE, STAND_IN
-from rtkit.errors import RtkitError
-from rtkit.modules.creatable import lacking
-from rtkit.modules.search import Search, file_of
-from rtkit.profile.rts_model import ComponentInstance
-from rtkit.resources import resource
-from rtkit.rtc.create import readable_create
-from rtkit.rtc.profiles import split_module
+if TYPE_CHECKING:
+    from rtkit.profile.rts_model import ComponentInstance
 
 _VARIABLE = "RTKIT_REPOSITORIES"
 
@@ -27,6 +20,16 @@ def known_repositories(given: Sequence[str] = ()) -> list[str]:
 
 def is_built_in(component: ComponentInstance) -> bool:
     """Return whether rtkit alone makes a component: by its services, or by its examples."""
+    from rtkit.component.composite import TYPES as COMPOSITES
+    from rtkit.deployment.described import properties_of, type_of
+    from rtkit.deployment.extension import CREATE, MODULE, STAND_IN
+    from rtkit.errors import RtkitError
+    from rtkit.modules.creatable import lacking
+    from rtkit.modules.search import Search, file_of
+    from rtkit.resources import resource
+    from rtkit.rtc.create import readable_create
+    from rtkit.rtc.profiles import split_module
+
     own = properties_of(component.properties)
     create = readable_create(own.get(CREATE, ""))
     type = type_of(component.id)

@@ -11,8 +11,8 @@ from packaging.utils import canonicalize_name
 
 from rtkit.errors import RtkitError
 from rtkit.modules.package_folders import folders
-from rtkit.packages.installed import Digests, Installed, install, installed, remove
-from rtkit.packages.offering import Offering
+from rtkit.packages.installed import Digests, install, installed, remove
+from rtkit.packages.records import Installed, Offering
 from rtkit.packages.repository import Offer, Repositories, newest_first, offers, opened
 from rtkit.packages.resolving import fetch, resolve
 from rtkit.packages.signing import are_required, check

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from rtkit.errors import Refused
 from rtkit.link.places import quoted
 from rtkit.link.running import managers
-from rtkit.packages.installed import Installed
+from rtkit.packages.records import Installed
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX
 from rtkit.tree.connect import connect
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
-from hashlib import blake2b
 
 from rtkit.property.codes import PASSING
 from rtkit.property.messages import Answer, Payload
@@ -87,8 +86,8 @@ def identity_of(ask: PropertyRequest, id: str | None) -> Hashable:
 
 def shared(*parts: str) -> str:
     """Return an id that is the same one whoever asks with it, over whatever connection."""
-    joined = "\0".join(parts).encode("utf-8", "surrogatepass")
-    return f"~{blake2b(joined, digest_size=16).hexdigest()}"
+    joined = "\0".join(parts)
+    return f"~{_digest(joined).hex()}"
 
 
 def is_shared(id: str | None) -> bool:
@@ -100,6 +99,11 @@ def marked(payload: Payload | None) -> Hashable:
     """Return a digest that identifies a payload and takes little memory."""
     if payload is None or len(payload) <= _SHORT:
         return payload
-    is_text = isinstance(payload, str)
+    return isinstance(payload, str), _digest(payload)
+
+
+def _digest(payload: Payload) -> bytes:
+    from hashlib import blake2b  # it brings OpenSSL along, which commands that ask seldom need
+
     raw = payload.encode("utf-8", "surrogatepass") if isinstance(payload, str) else payload
-    return is_text, blake2b(raw, digest_size=16).digest()
+    return blake2b(raw, digest_size=16).digest()

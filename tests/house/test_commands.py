@@ -164,6 +164,7 @@ HEAVY_WHEN_LOADED = {
 }
 SHOWN = {*FACTS, "rtkit.rtc.serde"}
 SYSTEM = {*FACTS, "lxml", "rtkit.profile"}
+PLANNED = {*SYSTEM, "rtkit.deployment.actions", "rtkit.planner", "dataclasses", "rtkit.component"}
 FOR_REPAIRS_AND_CHANGES = (
     "difflib",
     "locale",
@@ -194,6 +195,8 @@ READERS: dict[str, tuple[set[str], tuple[str, ...]]] = {
     "rtstart --dry-run FILE": ({*SYSTEM, "rtkit.deployment.actions"}, FOR_REPAIRS_AND_CHANGES),
     "rtstop --dry-run FILE": ({*SYSTEM, "rtkit.deployment.actions"}, FOR_REPAIRS_AND_CHANGES),
     "rtteardown --dry-run FILE": ({*SYSTEM, "rtkit.deployment.actions"}, FOR_REPAIRS_AND_CHANGES),
+    "rtplan FILE": (PLANNED, ("http.client", "packaging", "rtkit.hosts.inventory")),
+    "rtapply --dry-run FILE": (PLANNED, ("http.client", "packaging", "rtkit.hosts.inventory")),
     "rtcryo --all": (
         {*FACTS, "rtkit.profile"},
         ("difflib", "locale", "rtkit.report", "rtkit.tree.view"),

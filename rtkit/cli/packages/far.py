@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rtkit.hosts.far_packager import PackageAnswer, Signed
     from rtkit.hosts.host import Host
     from rtkit.hosts.progress import Progress
-    from rtkit.packages.installed import Installed
+    from rtkit.packages.records import Installed
 
     Work = Callable[[HostConnection, Progress], Sequence[PackageAnswer]]
 

@@ -9,7 +9,7 @@ from rtkit.cli.shared import json_records, terminal
 from rtkit.errors import RtkitError
 
 if TYPE_CHECKING:
-    from rtkit.packages.installed import Installed
+    from rtkit.packages.records import Installed
 
 
 def show(records: Sequence[dict[str, Any]], is_json: bool) -> None:

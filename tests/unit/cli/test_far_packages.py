@@ -16,7 +16,7 @@ from rtkit.errors import Refused
 from rtkit.hosts import connection, far_packages
 from rtkit.hosts.far_packager import PackageAnswer
 from rtkit.hosts.host import Host
-from rtkit.packages.installed import Installed
+from rtkit.packages.records import Installed
 
 
 @pytest.fixture(autouse=True)
