@@ -107,7 +107,7 @@ bench: $(READY)
 	@$(BIN)/python -m bench $(ROWS)
 
 # On a machine that does nothing else: PLACEMENT says where the run was, "pinned to processors 2-3".
-bench-page: $(READY)
+bench-page: $(READY) web
 	@$(BIN)/python -m bench --page docs/performance.md $(if $(PLACEMENT),--placement '$(PLACEMENT)')
 	@$(BIN)/python -m bench.floors
 

@@ -3,7 +3,8 @@
 A name is a group, or a part of one; ``-l`` lists them. On stdout come one line of JSON that tells
 where it runs, one per row as it is measured, and then a table; ``--page`` also writes that table
 into a page, between its marks, with ``--placement`` as the words for where it ran. The exit status
-is 0 also when a target is missed: machines differ, and the table says it.
+is 0 also when a target is missed: machines differ, and the table says it. It is 1 when a part
+failed, whose rows are missing; the others are measured all the same.
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ import argparse
 import importlib
 import os
 import sys
-from collections.abc import Callable, Iterable
+import traceback
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from bench import page, placement, scale, table3
@@ -78,7 +80,7 @@ def main(arguments: list[str]) -> int:
         chosen.update(found)
     others = os.getloadavg()[0]
     print(placement.as_json(others), flush=True)
-    rows = _measured(chosen.values())
+    rows, failed = _measured(chosen)
     print("\n" + table(rows))
     print(
         f"\n{placement.machine()}; governor {placement.governor() or 'unknown'};"
@@ -91,16 +93,24 @@ def main(arguments: list[str]) -> int:
             "The machine was at work before: believe ratios, not times, and none that is too noisy."
         )
     print(table3.pivots(rows) + scale.curves(rows), end="")
-    return 0
+    if failed:
+        print(f"failed: {', '.join(failed)}", file=sys.stderr)
+    return 1 if failed else 0
 
 
-def _measured(parts: Iterable[Part]) -> list[Row | Missing]:
+def _measured(parts: Mapping[str, Part]) -> tuple[list[Row | Missing], list[str]]:
+    """Return the rows, and the parts that failed: half an hour of others is not to be lost."""
     rows: list[Row | Missing] = []
-    for part in parts:
-        for row in part():
-            print(row.as_json(), flush=True)
-            rows.append(row)
-    return rows
+    failed = []
+    for name, part in parts.items():
+        try:
+            for row in part():
+                print(row.as_json(), flush=True)
+                rows.append(row)
+        except Exception:
+            traceback.print_exc()
+            failed.append(name)
+    return rows, failed
 
 
 def _parts() -> dict[str, Part]:

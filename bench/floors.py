@@ -32,7 +32,9 @@ KINDS = {
     "parser": r"lxml: |json: |bench\.profiles: ",
     "dictionary": r"a dictionary of",
     "storing": r"the writer of the mcap package|write\(\) of",
-    "model": r"the model's own work|carrying it out|a loop that only|OpenCV|a bare",
+    "model": r"the model's own work|carrying it out|a loop that only|OpenCV|a bare"
+    r"|the method called",
+    "none": r"nothing:",
     "promise": r"what was sent|all are to come|after which",
 }
 """Expression by which the words for a floor begin, by the kind of the floor."""

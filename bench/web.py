@@ -34,7 +34,7 @@ _WATCHED_S = 5.0
 _BARE = [sys.executable, "-m", "bench.bare_web"]
 _WINDOW = (1280, 800)
 _SETTLED = """document.querySelector('.react-flow__node') !== null
-    || document.querySelector('.stage .empty')?.textContent.includes('rtmgr')"""
+    || document.querySelector('.stage .empty')?.textContent.includes('No component')"""
 _COUNT_FRAMES = """(() => {
     const frames = window.frameTimes = [];
     let last = performance.now();
