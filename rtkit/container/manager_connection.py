@@ -13,6 +13,7 @@ import os
 import select
 import socket
 import threading
+import time
 from collections.abc import Callable
 from functools import partial
 from typing import Any, Protocol
@@ -30,8 +31,9 @@ PROTOCOL = 3
 LEAVES = "leaves"
 """Key of the last message of an attached process."""
 
-_SEEK_S = 0.1
-"""How often the next manager is looked for [s]."""
+_SEEK_S, _EAGER_SEEK_S, _EAGER_FOR_S = 0.1, 0.02, 2.0
+"""How often the next manager is looked for [s], and how often and for how long at first: it is
+mostly started at once, and has to wait for all that look."""
 
 _LEISURE_S = 30.0
 """How long nothing is received until there is leisure for other things [s]."""
@@ -175,13 +177,15 @@ class ManagerConnection:
             _log().warning("the manager is gone; waiting for the next one")
         self._is_renewed = False
         fault.point("slave.alone")
+        eager_until = time.monotonic() + _EAGER_FOR_S
         while True:
             with contextlib.suppress(OSError):
                 channel = _connect(self._path)
                 fault.point("slave.connected")
                 report_all(partial(self._introduce, channel))
                 return channel
-            if select.select([self._ending], [], [], _SEEK_S)[0] and self._shall_end():
+            pause_s = _EAGER_SEEK_S if time.monotonic() < eager_until else _SEEK_S
+            if select.select([self._ending], [], [], pause_s)[0] and self._shall_end():
                 return None
 
     def _introduce(self, channel: ControlChannel, held: Message) -> None:
