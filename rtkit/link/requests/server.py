@@ -26,8 +26,9 @@ from rtkit.property.exchange import Reply, Request
 _log = logging.getLogger(__name__)
 _NAME = re.compile(r"(@x?)/([^/*$?#\x00-\x20]+(?:/[^/*$?#\x00-\x20]+)*)(?:\?id=([^?]*))?")
 _PIECE = 1 << 16
-_MOST_WAITING = 1 << 20
-"""How much waits for a client until nothing more is taken from it [bytes]."""
+_MOST_WAITING, _MOST_RECEIVED = 1 << 20, 1 << 24
+"""How much waits for a client until none of its requests is begun, and how many bytes of those are
+kept then: it may send many before it reads an answer [bytes]."""
 _BACKLOG = 4096
 
 
@@ -186,7 +187,8 @@ class _Client:
         """Wait for what can be done next; with the lock."""
         if not self._is_open:
             return
-        reads = select.EPOLLIN if len(self._waiting) <= _MOST_WAITING else 0
+        is_full = self._is_behind and len(self._received) > _MOST_RECEIVED
+        reads = 0 if is_full else select.EPOLLIN
         writes = select.EPOLLOUT if self._waiting or self._is_behind else 0
         if reads | writes != self._awaited:
             self._awaited = reads | writes
