@@ -319,6 +319,22 @@ def test_a_manager_that_was_started_again_is_reached_again(owner: Owner, caller:
     assert caller.call(KEY, None, AT_ONCE_S) == Reply("here")
 
 
+def test_a_reply_that_nobody_awaits_does_not_hide_the_end_of_the_manager(
+    owner: Owner, caller: Link
+) -> None:
+    owner.serve(SERVICE, lambda request: request.answer(Reply("here")))
+    unread = caller.send(KEY, None, AT_ONCE_S)
+    with closing(open_link("manager", "host", AT_ONCE_S)) as other:
+        other.call(KEY, None, AT_ONCE_S)  # by now the first one is answered
+    owner.end_requests()
+    with pytest.raises(Unreachable, match="nobody answers"):
+        caller.call(KEY, None, AT_ONCE_S)
+    owner.open_requests()
+    assert caller.call(KEY, None, AT_ONCE_S) == Reply("here")
+    with pytest.raises(Unreachable):
+        unread()  # its connection has been given up
+
+
 def test_a_reply_that_was_awaited_when_the_manager_ended(owner: Owner, caller: Link) -> None:
     asked = threading.Event()
     owner.serve(SERVICE, lambda _request: asked.set())

@@ -45,11 +45,12 @@ class RequestConnection:
         self._received = bytearray()
         self._is_receiving = False
         self._why = ""
+        self._is_broken = False
 
     @property
     def has_ended(self) -> bool:
-        """Return whether the manager has hung up."""
-        if self._why:
+        """Return whether the manager has hung up; replies may be left to receive."""
+        if self._why or self._is_broken:
             return True
         with self._sending:
             try:
@@ -80,6 +81,8 @@ class RequestConnection:
             self._end()  # half of a request may be there
             raise _late(timeout_s) from None
         except OSError as error:
+            self._is_broken = True  # which replies that nobody awaits hide from who looks
+            self._expected.discard(number)
             raise ConnectionEnded from error
         finally:
             self._sending.release()

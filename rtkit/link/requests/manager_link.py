@@ -6,6 +6,7 @@ A command that asks a few things, as most do, loads and opens no zenoh. See deci
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from threading import Lock
 from typing import TYPE_CHECKING
 
@@ -52,10 +53,12 @@ class ManagerLink(Link):
         if self._zenoh is not None or not key.startswith(self._prefixes):
             return self._all().send(key, payload, timeout_s)
         name = key[self._skip :]
+        with suppress(ConnectionEnded):  # since it was looked at; nothing has been taken
+            return self._connected(timeout_s).send(name, payload, timeout_s)
         try:
             return self._connected(timeout_s).send(name, payload, timeout_s)
-        except ConnectionEnded:  # between two looks; it has not been taken
-            return self._connected(timeout_s).send(name, payload, timeout_s)
+        except ConnectionEnded as error:
+            raise Unreachable(GONE) from error
 
     def listen(self, key: str, on_text: Callable[[str], object]) -> Callable[[], object]:
         """See `Link.listen`."""
