@@ -146,7 +146,7 @@ class AwaitedRing(Generic[T]):
 
     def wait(self) -> T | None:
         """Remove and return the oldest value, after waiting for one if there is none."""
-        value = self._pop()
+        value = self._pop() if self._items else None
         left_s = self._timeout_s
         while value is None and left_s > 0 and not self._is_closed:
             receiving = self.feed.borrow() if self.feed is not None else None

@@ -381,7 +381,7 @@ class _Decoder(_Cdr):
         size, count, result = _size(code), self.count(), self.name()
         if size > _HEADER:
             self.add(f"if {count}: at += {_HEADER} - at & {size - 1}")
-        self.add(f"_fits(data, at, {count}, {size})")
+        self.add(f"if {count} * {size} > len(data) - at: _fits(data, at, {count}, {size})")
         view = self.name(arrays.reader_of(self.order + cast(BasicLayout, item).code), "view")
         self.add(f"{result} = {view}(data, {count}, at)")
         self.add(f"at += {count} * {size}")

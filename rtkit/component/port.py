@@ -308,8 +308,10 @@ class OutPort(DataPort[T]):
     limit_key = "dataport.fan_out"
 
     def _begin(self) -> None:
-        # Test and receiver of a value, replaced together while another thread writes.
-        self._way: tuple[Callable[[T], bool], tuple[Sink[T], ...]] = (self._compile, ())
+        # The class whose values need no test, the test of others, and the receivers of a value,
+        # replaced together while another thread writes.
+        self._way: tuple[type | None, Callable[[T], bool], tuple[Sink[T], ...]]
+        self._way = (None, self._compile, ())
         self._encoding: set[str] = set()
         self._by_id: dict[str, Sink[T]] = {}
         self._queues: dict[str, Queue] = {}
@@ -325,8 +327,8 @@ class OutPort(DataPort[T]):
             Malformed: The value is not of the port's type, or a field of it holds what does not
                 fit; names the field.
         """
-        may_pass, sinks = self._way
-        if not may_pass(value):
+        encoded, may_pass, sinks = self._way
+        if value.__class__ is not encoded and not may_pass(value):
             value = self._carried(value)
         status = _OK
         failure: Exception | None = None
@@ -348,7 +350,7 @@ class OutPort(DataPort[T]):
         """Compile the test of values at first use, because most ports of a host never write."""
         with self._lock:
             self._find_way()
-        return self._way[0](value)
+        return self._way[1](value)
 
     def _rewire(self) -> None:
         self._find_way()
@@ -366,7 +368,10 @@ class OutPort(DataPort[T]):
         sinks = tuple(self._notifying(id, sink) for id, sink in self._by_id.items())
         if self._watch is not None:
             sinks = (*sinks, self._watch.note)
-        self._way = (self._is_ours if self._by_id and is_encoded else test, sinks)
+        if self._by_id and is_encoded:
+            self._way = (self.data_type, self._is_ours, sinks)
+        else:
+            self._way = (None, test, sinks)
 
     def _notifying(self, connector_id: str, sink: Sink[T]) -> Sink[T]:
         """Return a sink that tells the listeners, if there are any and the connector is open."""
@@ -379,7 +384,7 @@ class OutPort(DataPort[T]):
         return buffering(self._listeners, connector, queue, sink)
 
     def _is_ours(self, value: T) -> bool:
-        return value.__class__ is self.data_type or isinstance(value, self.data_type)
+        return isinstance(value, self.data_type)
 
     def _carried(self, value: T) -> T:
         if not isinstance(value, self.data_type):

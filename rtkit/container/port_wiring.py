@@ -49,7 +49,6 @@ MATCH_S = 5.0
 if TYPE_CHECKING:
     from rtkit.link.routed_streams import StreamsByRouter
 
-_SEVERAL = 2
 _log = late(__name__)
 
 
@@ -152,8 +151,10 @@ class PortWiring:
         sink = write_patiently if patience_s else write
         self._attach(connector, out, sink, options, is_encoding=True)
         self.keep(connector, outlet)
+        encode.users += 1
+        self.keep(connector, encode)
 
-    def _encoder(self, out: OutPort[Any], *, is_big_endian: bool) -> Callable[[Any], Payload]:
+    def _encoder(self, out: OutPort[Any], *, is_big_endian: bool) -> EncodedOnce:
         """Return the encoder of all connectors of a port that want one order of bytes."""
         split = splitter_for(out.data_type, is_big_endian=is_big_endian)
         by_order = self._encoders.setdefault(out, {})
@@ -298,6 +299,9 @@ class EncodedOnce:
     Args:
         out: The port; each of its writes has a number of its own.
         encode: Encodes a value.
+
+    Attributes:
+        users: How many connectors use it.
     """
 
     def __init__(self, out: OutPort[Any], encode: Callable[[Any], Payload]) -> None:
@@ -306,16 +310,22 @@ class EncodedOnce:
         self._value: Any = None
         self._made: Payload = b""
         self._write = -1
+        self.users = 0
 
     def __call__(self, value: Any) -> Payload:
         """Return the encoding."""
-        out = self._out()
-        if out is None or len(out.connectors) < _SEVERAL:
+        out = self._out() if self.users > 1 else None
+        if out is None:
             return self._encode(value)
         if value is not self._value or out.written != self._write:
             self._made = self._encode(value)
             self._value, self._write = value, out.written
         return self._made
+
+    def close(self) -> None:
+        """Note that a connector uses it no more."""
+        self.users -= 1
+        self._value, self._made = None, b""
 
 
 def _is_wrapped(options: ConnectorOptions) -> bool:

@@ -11,7 +11,7 @@ import pytest
 
 from rtkit.errors import Unreachable
 from rtkit.link.ends import Octets
-from rtkit.link.local.channel import FORGET, MARK, SLOT, USES
+from rtkit.link.local.channel import FORGET, MARK, PASS, SLOT, USES
 from rtkit.link.local.streams import LocalStreams
 
 KEY = "rtd/test/host/wire"
@@ -160,10 +160,12 @@ def test_descriptors_that_nobody_asked_for_are_closed(
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as other, open(os.devnull) as file:
         other.settimeout(5.0)
         other.connect(endpoint)
-        other.send(b"rtkit data 1\n" + KEY.encode())
+        other.send(b"rtkit data 2\n" + KEY.encode())
         assert other.recv(1) == b"\1"
         before = len(os.listdir("/proc/self/fd"))
-        for _ in range(20):
+        for step in range(20):
+            if step == 10:
+                other.send(PASS)  # from now on descriptors are looked for
             socket.send_fds(other, [b"\0value"], [file.fileno(), file.fileno()])
             assert heard.get(timeout=5.0) == b"value"
         assert len(os.listdir("/proc/self/fd")) <= before
@@ -173,7 +175,7 @@ def test_descriptors_that_nobody_asked_for_are_closed(
 
 
 @pytest.mark.parametrize(
-    "rubbish", [b"", b"?", USES, SLOT, SLOT + bytes(40), MARK + bytes(4), FORGET, b"\x08"]
+    "rubbish", [b"", b"?", USES, SLOT, SLOT + bytes(40), MARK + bytes(4), FORGET, b"\x09"]
 )
 def test_rubbish_ends_its_connection_only(
     streams: tuple[LocalStreams, LocalStreams], rubbish: bytes
@@ -182,7 +184,7 @@ def test_rubbish_ends_its_connection_only(
     heard: queue.SimpleQueue[Octets] = queue.SimpleQueue()
     endpoint, _ = receiver.receive(KEY, heard.put)
     outlet = sender.send(endpoint, KEY, 5.0)
-    for hello in (b"rtkit data 1\n" + KEY.encode(), b"GET / HTTP/1.1"):
+    for hello in (b"rtkit data 2\n" + KEY.encode(), b"GET / HTTP/1.1"):
         with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as other:
             other.settimeout(5.0)
             other.connect(endpoint)

@@ -14,6 +14,8 @@ MARK    number                                  asks that it is sent back, once 
                                                 been dealt with
 FREE    none                                    a use has ended, and the sender waits for that
 FORGET  slot                                    no value will come in that slot any more
+PASS    none                                    a packet with a descriptor follows, though not at
+                                                once where several threads send
 ======= ======================================= ================================================
 """
 
@@ -28,13 +30,13 @@ from array import array
 from contextlib import suppress
 from functools import partial
 from threading import Lock
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
-from rtkit.link.ends import Octets, Payload
+from rtkit.link.ends import Octets, Payload, joined
 from rtkit.link.local.leases import MOST, BorrowedUses, LentSlots
 from rtkit.link.local.slots import SeenSlots, Slot, SlotPool
 
-VALUE, COUNTED, USES, SLOT, LOST, MARK, FREE, FORGET = (bytes([kind]) for kind in range(8))
+VALUE, COUNTED, USES, SLOT, LOST, MARK, FREE, FORGET, PASS = (bytes([kind]) for kind in range(9))
 NONE = (1 << 64) - 1
 MOST_INLINE = 32 << 10
 """How large a value may be that is copied through the socket [bytes]."""
@@ -50,7 +52,6 @@ _ROOM = socket.CMSG_SPACE(4)
 # As numbers: the members of an enumeration take longer to join than a packet to send.
 _FLAGS = int(socket.MSG_NOSIGNAL | socket.MSG_DONTWAIT)
 _CLOEXEC = int(socket.MSG_CMSG_CLOEXEC)
-_CUT = int(socket.MSG_TRUNC | socket.MSG_CTRUNC)
 NOW = int(socket.MSG_DONTWAIT)
 """Flag by which `Channel.receive` does not wait."""
 _MOST_HELD = 16
@@ -85,18 +86,12 @@ def take_passed(passed: Ancillary, most: int) -> list[int]:
     return found[:most]
 
 
-class Packet(NamedTuple):
-    """A value, a loss, or a mark that is to be sent back.
+Packet: TypeAlias = "tuple[bytes, int, Octets]"
+"""VALUE, LOST or MARK, its number, and the value, which is empty where there is none.
 
-    Attributes:
-        kind: VALUE, LOST or MARK.
-        number: Of the value, or mark; NONE where values are not counted.
-        value: Empty where there is none.
-    """
-
-    kind: bytes
-    number: int
-    value: Octets = b""
+The number is NONE where values are not counted. It is a bare tuple: one that has names takes as
+long to make as a small value to decode.
+"""
 
 
 class Full(Exception):
@@ -131,12 +126,13 @@ class Channel:
     Attributes:
         returned: The mark that the other end has sent back last.
         is_closed: Whether it was closed here.
+        bound_s: How long a wait in `receive` takes at most [s]; 0: for ever.
     """
 
     def __init__(self, connection: socket.socket, pool: SlotPool) -> None:
         self.connection = _Socket(fileno=connection.detach())
         self._send = self.connection.send
-        self._receive = self.connection.recvmsg
+        self._receive = self.connection.recv
         self._pool = pool
         self._lock = Lock()
         self.returned = NONE
@@ -147,9 +143,10 @@ class Channel:
         self._lent: LentSlots | None = None
         self._borrowed: BorrowedUses | None = None
         self._known: dict[int, Slot] = {}
+        self._is_passed = False
         self._most = (0, 0)
         self._is_over = False
-        self._bound_s = 0.0
+        self.bound_s = 0.0
 
     def fileno(self) -> int:
         """Return the descriptor of its socket."""
@@ -166,12 +163,12 @@ class Channel:
         """
         if self._is_over:
             raise BrokenPipeError
-        size = size_of(value)
-        if size > MOST_INLINE:
-            self._send_large(value, size, number)
-            return
-        if isinstance(value, list):
-            value = b"".join(value)
+        if value.__class__ is not bytes or len(value) > MOST_INLINE:
+            size = size_of(value)
+            if size > MOST_INLINE:
+                self._send_large(value, size, number)
+                return
+            value = joined(value)
         head = VALUE if number == NONE else COUNTED + _NUMBER.pack(number)
         try:
             self._send(head + value, _FLAGS)
@@ -182,12 +179,13 @@ class Channel:
         lent = self._lent
         if lent is None:
             lent = self._begin_lending()
-        elif lent.count:
-            self._collect(lent)  # always, so that the memory used last is used again
-            if lent.count >= self._most_held(size) + _IN_TRANSIT:
-                raise Full(is_memory=True)
-        slot = self._pool.fill(value, size)
+        most = self._most[1] if size == self._most[0] else self._most_held(size)
         with self._lock:
+            ended = lent.ended()
+            if len(lent.uses) >= most + _IN_TRANSIT:
+                self._pool.release(ended)
+                raise Full(is_memory=True)
+            slot = self._pool.fill(value, size, ended)
             use = lent.lend(slot)
         try:
             self._send_slot(slot, _SLOT.pack(slot.number, use, size, number))
@@ -195,7 +193,7 @@ class Channel:
             with self._lock:
                 is_ours = lent.take_back(use)
             if is_ours:
-                self._pool.release(slot)
+                self._pool.release([slot])
             raise
 
     def _begin_lending(self) -> LentSlots:
@@ -203,9 +201,8 @@ class Channel:
             if self._lent is not None:  # another thread sends, too
                 return self._lent
             lent = LentSlots()
-            passed = [(socket.SOL_SOCKET, socket.SCM_RIGHTS, array("i", [lent.descriptor]))]
             try:
-                self.connection.sendmsg([USES], passed, _FLAGS)
+                self._pass(USES, lent.descriptor)
             except BaseException as error:
                 lent.close()
                 if isinstance(error, BlockingIOError):
@@ -215,18 +212,14 @@ class Channel:
             return lent
 
     def _most_held(self, size: int) -> int:
-        known, most = self._most
-        if size != known:
-            most = most_held(size)
-            self._most = size, most
-        return most
+        self._most = size, most_held(size)
+        return self._most[1]
 
     def _collect(self, lent: LentSlots) -> None:
         """Take back memory whose uses have ended."""
         with self._lock:
             ended = lent.ended()
-        for slot in ended:
-            self._pool.release(slot)
+        self._pool.release(ended)
 
     def _send_slot(self, slot: Slot, where: bytes) -> None:
         packet = SLOT + where
@@ -237,11 +230,16 @@ class Channel:
             for old in [each for each in self._known.values() if each.memory.closed]:
                 self._send(FORGET + _INDEX.pack(old.number), _FLAGS)
                 del self._known[old.number]
-            passed = [(socket.SOL_SOCKET, socket.SCM_RIGHTS, array("i", [slot.descriptor]))]
-            self.connection.sendmsg([packet], passed, _FLAGS)
+            self._pass(packet, slot.descriptor)
             self._known[slot.number] = slot
         except BlockingIOError:
             raise Full(is_memory=False) from None
+
+    def _pass(self, packet: bytes, descriptor: int) -> None:
+        # Told before, so that the other end need not look for descriptors at each packet.
+        self._send(PASS, _FLAGS)
+        passed = [(socket.SOL_SOCKET, socket.SCM_RIGHTS, array("i", [descriptor]))]
+        self.connection.sendmsg([packet], passed, _FLAGS)
 
     def send_notice(self, kind: bytes, number: int) -> None:
         """Send a mark, or send one back, or tell of a loss.
@@ -262,13 +260,13 @@ class Channel:
         lent = self._lent
         if lent is None:
             return not self._is_over
-        before = lent.count
+        before = len(lent.uses)
         lent.await_end(is_awaited=True)
         try:
             while True:
                 # The end of a use and this look may just miss each other: no wait is long.
                 self._collect(lent)
-                if self._is_over or lent.count < before:
+                if self._is_over or len(lent.uses) < before:
                     return not self._is_over
                 if time.monotonic() >= until:
                     return False
@@ -298,12 +296,12 @@ class Channel:
         """Take marks that the other end has sent back; for ends that receive nothing else."""
         try:
             while True:
-                data, passed, _, _ = self._receive(_SMALL, _ROOM, NOW | _CLOEXEC)
+                data = self._receive(_SMALL, NOW)
                 if not data:
                     break
-                packet = self._read(data[:1], data, passed)
+                packet = self._read(data[:1], data, [])
                 if packet is not None:
-                    self.returned = packet.number
+                    _, self.returned, _ = packet
         except BlockingIOError:
             return
         except (OSError, ValueError, LookupError, struct.error):
@@ -314,11 +312,10 @@ class Channel:
 
     def bound(self, timeout_s: float) -> None:
         """Have each wait in `receive` end after so long at most [s]."""
-        if timeout_s != self._bound_s:
-            self._bound_s = timeout_s
-            bound_us = max(1, int(min(timeout_s, _LONGEST_S) * 1e6))  # none would be for ever
-            bound = _TIMEVAL.pack(*divmod(bound_us, 1_000_000))
-            self.connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, bound)
+        self.bound_s = timeout_s
+        bound_us = max(1, int(min(timeout_s, _LONGEST_S) * 1e6))  # none would be for ever
+        bound = _TIMEVAL.pack(*divmod(bound_us, 1_000_000))
+        self.connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, bound)
 
     def receive(self, flags: int = 0) -> Packet | None:
         """Return what comes next; None when the other end is gone.
@@ -329,16 +326,17 @@ class Channel:
             ValueError: It is no packet.
         """
         while True:
-            data, passed, state, _ = self._receive(_MOST, _ROOM, flags | _CLOEXEC)
+            if self._is_passed:
+                data, passed = self._receive_passed(flags)
+            else:
+                data, passed = self._receive(_MOST + 1, flags), []
             if not data:
                 return None
-            if state & _CUT:
+            if len(data) > _MOST:
                 raise ValueError("a packet that is too large")
             kind = data[:1]
-            if passed and kind not in (SLOT, USES):
-                take_passed(passed, most=0)
             if kind == VALUE:
-                return Packet(VALUE, NONE, data[1:])
+                return VALUE, NONE, data[1:]
             try:
                 packet = self._read(kind, data, passed)
             except (struct.error, LookupError, OverflowError) as error:
@@ -346,34 +344,41 @@ class Channel:
             if packet is not None:
                 return packet
 
-    def _read(self, kind: bytes, data: bytes, passed: Ancillary) -> Packet | None:
+    def _receive_passed(self, flags: int) -> tuple[bytes, list[int]]:
+        """Return the next packet, and the descriptor of a kind that has one."""
+        data, passed, *_ = self.connection.recvmsg(_MOST + 1, _ROOM, flags | _CLOEXEC)
+        descriptors = take_passed(passed, most=int(data[:1] in (SLOT, USES)))
+        self._is_passed = not descriptors
+        return data, descriptors
+
+    def _read(self, kind: bytes, data: bytes, passed: list[int]) -> Packet | None:
         if kind == COUNTED:
             (number,) = _NUMBER.unpack_from(data, 1)
-            return Packet(VALUE, number, data[1 + _NUMBER.size :])
+            return VALUE, number, data[1 + _NUMBER.size :]
         if kind == SLOT:
             slot, use, size, number = _SLOT.unpack_from(data, 1)
-            for descriptor in take_passed(passed, most=1):
+            for descriptor in passed:
                 self._seen.learn(slot, descriptor)
-            return Packet(VALUE, number, self._value_in(slot, use, size))
+            is_new = 0 < use <= MOST and use not in self._in_use
+            if size <= MOST_INLINE or self._borrowed is None or not is_new:
+                raise ValueError("no value in shared memory")
+            most = self._most[1] if size == self._most[0] else self._most_held(size)
+            is_kept = len(self._in_use) < most
+            end = partial(self._end_use, self._borrowed, use)
+            view, self._in_use[use] = self._seen.view(slot, size, end)
+            return VALUE, number, view if is_kept else bytes(view)
         if kind in (LOST, MARK):
-            return Packet(kind, *_NUMBER.unpack_from(data, 1))
+            return kind, _NUMBER.unpack_from(data, 1)[0], b""
         if kind == USES:
-            (descriptor,) = take_passed(passed, most=1)
+            (descriptor,) = passed
             self._borrowed = BorrowedUses(descriptor)
+        elif kind == PASS:
+            self._is_passed = True
         elif kind == FORGET:
             self._seen.forget(*_INDEX.unpack_from(data, 1))
         elif kind != FREE:
             raise ValueError("a packet of no kind")
         return None
-
-    def _value_in(self, slot: int, use: int, size: int) -> Octets:
-        is_new = 0 < use <= MOST and use not in self._in_use
-        if size <= MOST_INLINE or self._borrowed is None or not is_new:
-            raise ValueError("no value in shared memory")
-        is_kept = len(self._in_use) < self._most_held(size)
-        end = partial(self._end_use, self._borrowed, use)
-        view, self._in_use[use] = self._seen.view(slot, size, end)
-        return view if is_kept else bytes(view)
 
     def _end_use(self, borrowed: BorrowedUses, use: int, _: object) -> None:
         """Tell the other end that a value is not used any more; by whichever thread."""
@@ -396,4 +401,5 @@ class Channel:
             lent, self._lent = self._lent, None
             left = lent.close() if lent is not None else []
         for slot in left:
-            self._pool.release(slot, is_spent=True)
+            slot.is_spent = True
+        self._pool.release(left)

@@ -6,7 +6,8 @@ import select
 import threading
 from collections.abc import Callable
 
-from rtkit.link.local.channel import MARK, NOW, Channel, Full, Packet
+from rtkit.link.ends import Octets
+from rtkit.link.local.channel import MARK, NONE, NOW, Channel, Full, Packet
 from rtkit.link.local.loop import SocketLoop
 
 _AT_ONCE = 64
@@ -18,7 +19,8 @@ class Inflow:
 
     Args:
         channel: What is received from.
-        deliver: Receives each value or loss, one after the other.
+        deliver: Receives each value without a number, one after the other.
+        deliver_numbered: Receives each value with one, or loss.
         loop: Notices values while no reader waits for them.
         ended: Is told once, when the other end is gone.
     """
@@ -26,12 +28,14 @@ class Inflow:
     def __init__(
         self,
         channel: Channel,
-        deliver: Callable[[Packet], object],
+        deliver: Callable[[Octets], object],
+        deliver_numbered: Callable[[Packet], object],
         loop: SocketLoop,
         ended: Callable[[Inflow], object],
     ) -> None:
         self._channel = channel
         self._deliver = deliver
+        self._deliver_numbered = deliver_numbered
         self._loop = loop
         self._ended = ended
         self._lock = threading.Lock()  # held by the one that receives
@@ -62,7 +66,8 @@ class Inflow:
 
     def receive(self, timeout_s: float) -> bool:
         """Deliver the next value; False when none comes in time [s], or never."""
-        self._channel.bound(timeout_s)
+        if timeout_s != self._channel.bound_s:
+            self._channel.bound(timeout_s)
         return self._take(0)
 
     def leave(self) -> None:
@@ -124,10 +129,13 @@ class Inflow:
             self.close()
             self._ended(self)
             return False
-        if packet.kind == MARK:
-            self._return_mark(packet.number)
+        kind, number, value = packet
+        if number == NONE:
+            self._deliver(value)
+        elif kind == MARK:
+            self._return_mark(number)
         else:
-            self._deliver(packet)
+            self._deliver_numbered(packet)
         return True
 
     def _return_mark(self, number: int) -> None:

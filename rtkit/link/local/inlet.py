@@ -45,8 +45,8 @@ class LocalInlet(Inlet):
 
     def connect(self, channel: Channel, sent: SentCount | None) -> bool:
         """Take what a sender sends from now on; False when this is closed."""
-        deliver = self._take if sent is None else self._take_numbered
-        inflow = Inflow(channel, deliver, self._loop, self._note_end)
+        numbered = self._ignore if sent is None else self._take_numbered
+        inflow = Inflow(channel, self._deliver, numbered, self._loop, self._note_end)
         self._sent, self._next = sent, 0
         self._inflows.append(inflow)
         inflow.start()
@@ -61,16 +61,17 @@ class LocalInlet(Inlet):
         if is_last and self._sent is not None:
             self._count(self._sent.value)
 
-    def _take(self, packet: Packet) -> None:
-        self._deliver(packet.value)
+    def _ignore(self, packet: Packet) -> None:
+        """Ignore a value with a number, of a sender that has not told that it counts."""
 
     def _take_numbered(self, packet: Packet) -> None:
-        self._count(packet.number)
-        if packet.kind == LOST:
-            self._count(packet.number + 1)
+        kind, number, value = packet
+        self._count(number)
+        if kind == LOST:
+            self._count(number + 1)
         else:
             self._next += 1
-            self._deliver(packet.value)
+            self._deliver(value)
         if self._goal is not None and self._next >= self._goal:
             self._is_there.set()
 

@@ -24,6 +24,9 @@ MOST = 256
 class LentSlots:
     """Slots that a sender has lent over one connection.
 
+    Attributes:
+        uses: Those that have not ended, and the slot of each.
+
     Raises:
         OSError: There is no memory, or no descriptor, for a page.
     """
@@ -39,34 +42,32 @@ class LentSlots:
         except OSError:
             os.close(self.descriptor)
             raise
-        self._slots: dict[int, Slot] = {}
+        self.uses: dict[int, Slot] = {}
         self._free = list(range(MOST, 0, -1))
-
-    @property
-    def count(self) -> int:
-        """The number of uses that have not ended."""
-        return len(self._slots)
 
     def lend(self, slot: Slot) -> int:
         """Begin a use of a slot; return its number."""
         use = self._free.pop()
         self._page[use] = 1
-        self._slots[use] = slot
+        self.uses[use] = slot
         return use
 
     def take_back(self, use: int) -> bool:
         """End a use that was not told to the receiver; False if it has ended since."""
-        if self._slots.pop(use, None) is None:
+        if self.uses.pop(use, None) is None:
             return False
         self._free.append(use)
         return True
 
     def ended(self) -> list[Slot]:
         """Return the slots of uses that the receiver has ended, and forget them."""
-        page, slots = self._page, self._slots
-        over = [use for use in slots if not page[use]]
-        self._free += over
-        return [slots.pop(use) for use in over]
+        page, uses = self._page, self.uses
+        slots = []
+        for use in list(uses):
+            if not page[use]:
+                self._free.append(use)
+                slots.append(uses.pop(use))
+        return slots
 
     def await_end(self, *, is_awaited: bool) -> None:
         """Have the receiver send a packet at the next end of a use, or not."""
@@ -75,8 +76,8 @@ class LentSlots:
     def close(self) -> list[Slot]:
         """Give up the page; return the slots that the receiver may still use."""
         os.close(self.descriptor)
-        left = list(self._slots.values())
-        self._slots.clear()
+        left = list(self.uses.values())
+        self.uses.clear()
         return left
 
 

@@ -47,7 +47,7 @@ class _Requests:
         self._send(request, number, until)
         while True:
             packet = self._receive(until)
-            if packet.number == number:  # another one is too late
+            if packet[1] == number:  # another one is too late
                 return packet
 
     def _send(self, request: bytes, number: int, until: float) -> None:
@@ -94,10 +94,10 @@ class LocalFetcher(_Requests, Fetcher):
     def fetch(self, timeout_s: float) -> Octets | None:
         """See `Fetcher.fetch`."""
         try:
-            packet = self.ask(b"", timeout_s)
+            kind, _, value = self.ask(b"", timeout_s)
         except OSError:
             return None
-        return None if packet.kind == LOST else packet.value
+        return None if kind == LOST else value
 
     def _exchange(self, request: bytes, until: float) -> Packet:
         is_late = self._is_open
@@ -106,7 +106,7 @@ class LocalFetcher(_Requests, Fetcher):
             self._is_open = True
         packet = self._receive(until)
         self._is_open = False
-        if is_late and packet.kind == LOST:  # there was none at that time
+        if is_late and packet[0] == LOST:  # there was none at that time
             return self._exchange(request, until)
         return packet
 
@@ -136,7 +136,7 @@ class LocalCaller(CallerEnd):
             requests = self._taken(timeout_s)
             give_back = self._free.appendleft
             try:
-                answer = bytes(requests.ask(request, until - time.monotonic()).value)
+                _, _, answer = requests.ask(request, until - time.monotonic())
                 give_back = self._free.append
             finally:
                 give_back(requests)
@@ -147,7 +147,7 @@ class LocalCaller(CallerEnd):
             raise Unreachable(
                 "the connection is closed" if here else "the provider is gone"
             ) from None
-        return answer
+        return bytes(answer)
 
     def _taken(self, timeout_s: float) -> _Requests:
         """Return a connection that is free, a new one where there is none.
@@ -207,7 +207,8 @@ class AnsweringEnd:
     def _run(self, channel: Channel) -> None:
         try:
             while (packet := channel.receive()) is not None:
-                _send_back(channel, self._reply_to(bytes(packet.value)), packet.number)
+                _, number, value = packet
+                _send_back(channel, self._reply_to(bytes(value)), number)
         except (OSError, ValueError):
             pass  # it is closed, here or there
         finally:

@@ -11,7 +11,8 @@ from __future__ import annotations
 import fcntl
 import os
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import lru_cache
 from threading import Lock
 from typing import Any
 
@@ -75,15 +76,20 @@ class SlotPool:
         self._count = 0
         self._last: Slot | None = None
 
-    def fill(self, value: Payload, size: int) -> Slot:
+    def fill(self, value: Payload, size: int, ended: Sequence[Slot] = ()) -> Slot:
         """Return a slot that holds a value of that size [bytes], with one user more.
 
-        The very value that was written last is not written again, for its next reader.
+        The very value that was written last is not written again, for its next reader. What has
+        ended is released first, so that the memory used last is used again.
 
         Raises:
             OSError: No memory, or no descriptor, can be had.
         """
-        slot = self._take(value, size)
+        wanted = _rounded(OFFSET + size)
+        with self._lock:
+            for each in ended:
+                self._release(each)
+            slot = self._take(value, wanted)
         if slot.content is not value:
             at = OFFSET
             for part in value if isinstance(value, list) else [value]:
@@ -94,41 +100,42 @@ class SlotPool:
             self._last = slot
         return slot
 
-    def _take(self, value: Payload, size: int) -> Slot:
-        wanted = _rounded(OFFSET + size)
-        with self._lock:
-            last = self._last
-            if last is not None and last.users and last.content is value:
-                last.users += 1
-                return last
-            for index, slot in enumerate(self._free):
-                if slot.size == wanted:
-                    del self._free[index]
-                    self._free_bytes -= wanted
-                    break
-            else:
-                self._count += 1
-                slot = Slot(self._count, wanted)
-            slot.users = 1
+    def _take(self, value: Payload, wanted: int) -> Slot:
+        last = self._last
+        if last is not None and last.users and last.content is value:
+            last.users += 1
+            return last
+        for index, slot in enumerate(self._free):
+            if slot.size == wanted:
+                del self._free[index]
+                self._free_bytes -= wanted
+                break
+        else:
+            self._count += 1
+            slot = Slot(self._count, wanted)
+        slot.users = 1
         return slot
 
-    def release(self, slot: Slot, *, is_spent: bool = False) -> None:
-        """Note that a connection has it no more; `is_spent`: that its reader may."""
+    def release(self, slots: Sequence[Slot]) -> None:
+        """Note that a connection has them no more."""
         with self._lock:
-            slot.users -= 1
-            slot.is_spent |= is_spent
-            if slot.users:
-                return
-            slot.content = None
-            if slot.is_spent:
-                slot.close()
-                return
-            self._free.insert(0, slot)  # used next, while it is in the cache
-            self._free_bytes += slot.size
-            while self._free_bytes - slot.size > _MOST_FREE:
-                oldest = self._free.pop()
-                self._free_bytes -= oldest.size
-                oldest.close()
+            for slot in slots:
+                self._release(slot)
+
+    def _release(self, slot: Slot) -> None:
+        slot.users -= 1
+        if slot.users:
+            return
+        slot.content = None
+        if slot.is_spent:
+            slot.close()
+            return
+        self._free.insert(0, slot)  # used next, while it is in the cache
+        self._free_bytes += slot.size
+        while self._free_bytes - slot.size > _MOST_FREE:
+            oldest = self._free.pop()
+            self._free_bytes -= oldest.size
+            oldest.close()
 
     def close(self) -> None:
         """Give back what lies unused."""
@@ -138,6 +145,7 @@ class SlotPool:
                 self._free.pop().close()
 
 
+@lru_cache(maxsize=16)
 def _rounded(size: int) -> int:
     """Return the size of the slots for values of a size [bytes]."""
     step = max(_PAGE, (1 << (size - 1).bit_length()) // _STEPS)

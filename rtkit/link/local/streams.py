@@ -38,7 +38,7 @@ from rtkit.link.local.requests import AnsweringEnd, LocalCaller, LocalFetcher
 from rtkit.link.local.sent_count import SentCount
 from rtkit.link.local.slots import SlotPool
 
-_HELLO = b"rtkit data 1\n"
+_HELLO = b"rtkit data 2\n"
 _WELCOME, _UNKNOWN = b"\1", b"\0"
 _MOST_HELLO = 4096
 _BUFFER = 1 << 20
