@@ -20,7 +20,8 @@ from bench.placement import pin
 from bench.raw import KINDS
 from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Pose2D, TimedPose2D
-from rtkit.component.port import InPort, OutPort
+from rtkit.component.in_port import InPort
+from rtkit.component.out_port import OutPort
 from rtkit.component.types import Time
 from rtkit.deployment.actions import Action, ChangeState, Connect, Create, Load, SetParameters
 from rtkit.rtc.enums import Transition

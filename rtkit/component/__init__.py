@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from rtkit.component.fsm import State as State
     from rtkit.component.fsm import takes as takes
     from rtkit.component.geometry import *  # noqa: F403
+    from rtkit.component.in_port import InPort as InPort
     from rtkit.component.interface import raises as raises
     from rtkit.component.interface import returns as returns
     from rtkit.component.navigation import *  # noqa: F403
     from rtkit.component.options import PortStatus as PortStatus
+    from rtkit.component.out_port import OutPort as OutPort
     from rtkit.component.parameter import Parameter as Parameter
-    from rtkit.component.port import InPort as InPort
-    from rtkit.component.port import OutPort as OutPort
     from rtkit.component.sensors import *  # noqa: F403
     from rtkit.component.service import RequiredPort as RequiredPort
     from rtkit.component.service import ServicePort as ServicePort
@@ -52,9 +52,10 @@ _HOME = {
     "base": ("Component", "Manager"),
     "connector_events": ("ConnectorEvent",),
     "fsm": ("EventPort", "FsmComponent", "State", "takes"),
+    "in_port": ("InPort",),
     "interface": ("raises", "returns"),
+    "out_port": ("OutPort",),
     "parameter": ("Parameter",),
-    "port": ("InPort", "OutPort"),
     "service": ("RequiredPort", "ServicePort"),
     "options": ("PortStatus",),
     "types": (

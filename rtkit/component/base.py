@@ -9,10 +9,11 @@ from rtkit.component.any_port import Port
 from rtkit.component.callbacks import Callbacks, Failure, attempt
 from rtkit.component.config import DEFAULT, Configuration
 from rtkit.component.context import ExecutionContext
+from rtkit.component.in_port import InPort
 from rtkit.component.kinds import kind_of
+from rtkit.component.out_port import OutPort
 from rtkit.component.owned_contexts import PERIODIC, wanted_contexts
 from rtkit.component.parameter import Parameter, declared_parameters
-from rtkit.component.port import InPort, OutPort
 from rtkit.component.service import ServicePort
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import ExecutionKind

@@ -39,8 +39,8 @@ from typing import Any, ClassVar, TypeVar
 from rtkit.component.base import Component
 from rtkit.component.buffer import Sink, Source
 from rtkit.component.connector_events import ConnectorEvent, receiving
+from rtkit.component.in_port import InPort, Listener, Renew
 from rtkit.component.options import PortStatus
-from rtkit.component.port import InPort, Listener, Renew
 from rtkit.component.state_table import StateTable, StateTransition, Table, lineage
 from rtkit.component.typenames import type_by_name, type_name
 from rtkit.errors import Malformed, NotFound, Refused

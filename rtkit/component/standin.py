@@ -14,8 +14,9 @@ from typing import Any
 
 from rtkit.component.any_port import Port
 from rtkit.component.base import ACTIVE_SET, Component
+from rtkit.component.in_port import InPort
 from rtkit.component.literal import Literal, zero_value
-from rtkit.component.port import InPort, OutPort
+from rtkit.component.out_port import OutPort
 from rtkit.component.service import ServicePort
 from rtkit.component.typenames import type_by_name
 from rtkit.component.types import Time

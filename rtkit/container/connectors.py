@@ -18,9 +18,10 @@ from rtkit.component import invocation
 from rtkit.component.any_port import Port
 from rtkit.component.base import Component
 from rtkit.component.data_port import DataPort
+from rtkit.component.in_port import InPort
 from rtkit.component.invocation import CallRouting, CallTarget, Direct, Remote
 from rtkit.component.options import parse_options
-from rtkit.component.port import InPort, OutPort
+from rtkit.component.out_port import OutPort
 from rtkit.component.reentrancy import Reentrancy
 from rtkit.component.service import ServicePort
 from rtkit.component.waiting import waiting

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit.component.base import Component
 from rtkit.component.context import ExecutionContext, always
+from rtkit.component.in_port import InPort
 from rtkit.component.input_wait import allow_input, leave_input
 from rtkit.component.participant import DrivenComponent
 from rtkit.component.period import check_rate
-from rtkit.component.port import InPort
 from rtkit.container.composites import is_composite
 from rtkit.container.context_thread import check
 from rtkit.container.operations import LATER, ContainerServices, Operations, answer_code, in_time

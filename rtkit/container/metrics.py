@@ -7,7 +7,8 @@ from typing import Any
 
 from rtkit.component.base import Component
 from rtkit.component.context import ExecutionContext
-from rtkit.component.port import InPort, OutPort
+from rtkit.component.in_port import InPort
+from rtkit.component.out_port import OutPort
 from rtkit.container.pacer import Work
 from rtkit.deployment.metrics import ComponentMetrics, ContextMetrics
 from rtkit.rtc.serde import encode

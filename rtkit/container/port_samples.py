@@ -9,7 +9,8 @@ from time import monotonic
 from typing import Any
 
 from rtkit.component.base import Component
-from rtkit.component.port import InPort, OutPort
+from rtkit.component.in_port import InPort
+from rtkit.component.out_port import OutPort
 from rtkit.container.operations import LATER, Operations
 from rtkit.deployment.message import Message
 from rtkit.deployment.port_samples import MOST_NUMBERS, MOST_TEXT, SAMPLES, PortName

@@ -15,6 +15,7 @@ from weakref import WeakKeyDictionary, ref
 from rtkit.component.buffer import AnyRing, Sink, Source, make_ring, select
 from rtkit.component.carried import passage
 from rtkit.component.codec import codec_for, encoder_for, splitter_for
+from rtkit.component.in_port import InPort
 from rtkit.component.options import (
     NUMBERED,
     ConnectorOptions,
@@ -23,8 +24,8 @@ from rtkit.component.options import (
     PushPolicy,
     parse_options,
 )
+from rtkit.component.out_port import OutPort
 from rtkit.component.period import Period
-from rtkit.component.port import InPort, OutPort
 from rtkit.component.waiting import waiting
 from rtkit.errors import Malformed
 from rtkit.link import zenoh_keys

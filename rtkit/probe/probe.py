@@ -16,8 +16,8 @@ from rtkit.closing import Closing
 from rtkit.component.any_port import Port
 from rtkit.component.base import Component
 from rtkit.component.options import NUMBERED, PortStatus
+from rtkit.component.out_port import OutPort
 from rtkit.component.owned_contexts import PERIODIC
-from rtkit.component.port import OutPort
 from rtkit.container.attached_process import ENTERING, AttachedProcess, attached_to, leave_if_empty
 from rtkit.deployment.actions import Action, ChangeState, Connect
 from rtkit.errors import Refused, RtkitError, from_kind

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from typing import NamedTuple, cast
 
 from rtkit.component.buffer import Sink
+from rtkit.component.in_port import InPort
 from rtkit.component.options import PortStatus
-from rtkit.component.port import InPort
 from rtkit.probe.backlog import Backlog
 
 

@@ -16,10 +16,11 @@ from rtkit.component.any_port import Port
 from rtkit.component.base import Component
 from rtkit.component.carried import carried
 from rtkit.component.fsm import EVENT_NAME, EventPort
+from rtkit.component.in_port import InPort
 from rtkit.component.invocation import Direct, ProvidedInterface
 from rtkit.component.kinds import kind_of
 from rtkit.component.literal import zero_value
-from rtkit.component.port import InPort, OutPort
+from rtkit.component.out_port import OutPort
 from rtkit.component.service import ServicePort
 from rtkit.component.typenames import type_name
 from rtkit.component.types import Time

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from rtkit.component.codec import codec_for, encoder_for
 from rtkit.component.defined import class_of
 from rtkit.component.definition import definition_of, idl_of, name_of
-from rtkit.component.port import InPort, OutPort
+from rtkit.component.in_port import InPort
+from rtkit.component.out_port import OutPort
 from rtkit.component.types import (
     Char,
     Double,

@@ -12,7 +12,7 @@ from typing import Any
 from rtkit.component.buffer import Source
 from rtkit.component.connector_events import ConnectorEvent
 from rtkit.component.options import PortStatus, is_channel
-from rtkit.component.port import OutPort
+from rtkit.component.out_port import OutPort
 from rtkit.openrtm.csp.meeting import CHANNELS, Meeting
 from rtkit.rtc.profiles import ConnectorProfile
 

@@ -8,7 +8,7 @@ import pytest
 
 from rtkit.component import Time, TimedLong, held_values
 from rtkit.component.options import PortStatus
-from rtkit.component.port import OutPort
+from rtkit.component.out_port import OutPort
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 ENDS = (PortRef("A", "out"), PortRef("B", "in"))

@@ -15,7 +15,8 @@ from rtkit.component.codec import codec_for
 from rtkit.component.defined import class_of, is_same_definition
 from rtkit.component.definition import definition_of, docs_of, idl_of, name_of
 from rtkit.component.geometry import TimedPoint2D
-from rtkit.component.port import InPort, OutPort
+from rtkit.component.in_port import InPort
+from rtkit.component.out_port import OutPort
 from rtkit.component.value_text import plain
 from rtkit.errors import Malformed, NotFound
 from rtkit.idl.read import read_idl
