@@ -1,6 +1,6 @@
 """Serves a port of a manager in a process of its own, until the manager is gone.
 
-`rtkit.manager.endpoint_supervisor` starts it.
+`rtkit.manager.endpoints.listening_process` starts it.
 
 The process receives the port to open on a socket, as ``PORT SECRET_FILE``, and answers ``ready``,
 or the error; then it may receive another one. It exits when the socket closes.

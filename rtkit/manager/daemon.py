@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import faulthandler
 import logging
 import os
 import resource
@@ -10,7 +9,6 @@ import signal
 import socket
 import sys
 import threading
-import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from functools import partial
@@ -23,29 +21,26 @@ from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, Refused, RtkitError
 from rtkit.link import places, zenoh_keys
 from rtkit.link.deadline import boot_id
-from rtkit.link.places import host_name
 from rtkit.logs.logs import open_log
 from rtkit.manager.child_process import ENDS_WITH
 from rtkit.manager.claim import check_silence, remove_stale, take_lock
 from rtkit.manager.core import events as ev
 from rtkit.manager.core import manager_properties
 from rtkit.manager.core.core import Core
-from rtkit.manager.core.events import StopRequested
 from rtkit.manager.core.requests import NOBODY
 from rtkit.manager.core.startup import StartUp
-from rtkit.manager.core.state import ManagerState, Process
+from rtkit.manager.core.state import ManagerState
+from rtkit.manager.initial_state import initial_state
 from rtkit.manager.predecessor.crashes import unseen_crashes
 from rtkit.manager.predecessor.descendants import bear_mark, end_descendants
 from rtkit.manager.predecessor.stale_resources import end_lost
 from rtkit.manager.predecessor.unreported import checkpoints_of_the_dead, living_slaves
 from rtkit.manager.report import WANTED_VARIABLE, Report, execute_again
 from rtkit.manager.service_notifier import ServiceNotifier
+from rtkit.manager.signals import catch_signals
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
 from rtkit.manager.store.writer import StoreWriter
-from rtkit.resources import resource as shipped
 from rtkit.rtc.manager_address import parse_address
-from rtkit.rtc.names import LOCAL
-from rtkit.settings import formats
 from rtkit.settings.configuration import (
     CommandLineSettings,
     read,
@@ -53,21 +48,13 @@ from rtkit.settings.configuration import (
     wanted_from_text,
 )
 from rtkit.settings.properties import STRICT, Settings
-from rtkit.version import __version__
 
 if TYPE_CHECKING:
-    from zenoh import Session
-
-    from rtkit.container.container import ComponentContainer
-    from rtkit.deployment.limits import Capacity
-    from rtkit.manager.endpoint_supervisor import TcpEndpoint
     from rtkit.manager.loop import Loop
 
 _log = logging.getLogger(__name__)
 _DATA_SUFFIX = ".data"
 _DESCRIPTORS = 65_536
-USUAL_NAME = "%n.mgr"
-"""Template of the name that each manager has, so that all of a host are found in one place."""
 _HOLDER_S = 2.0
 """Grace for components of the manager's own process at the end [s]."""
 
@@ -91,7 +78,7 @@ def run(name: str, wanted: CommandLineSettings, is_shown: bool = False) -> int:
             dead = _claim(name, is_shown, stack)
             for text in configuration.warnings:
                 report.warn(text)
-            state = _state(name, folder, configuration.settings)
+            state = initial_state(name, folder, configuration.settings)
             notifier = ServiceNotifier(state, os.environ)  # before it has children
             keeper, remembered = _recall(state, report.warn, stack)
             loop = _assemble(state, dead, keeper, is_shown, report.warn, stack)
@@ -277,7 +264,8 @@ def _open_endpoints(
 ) -> Loop:
     from rtkit.link.places import remove_socket
     from rtkit.link.zenoh import ZenohLink, open_listener, unix_endpoint
-    from rtkit.manager.endpoint_supervisor import TcpEndpoint
+    from rtkit.manager.endpoints.listening_process import TcpEndpoint
+    from rtkit.manager.endpoints.ports import open_ports
     from rtkit.manager.loop import Loop
 
     name, host = state.name, state.host
@@ -301,7 +289,9 @@ def _open_endpoints(
     def report(message: Message) -> None:
         loop.post(ev.ContainerReported(ev.OWN_PROCESS, message))
 
-    container = _container(state, data, report, stack)
+    from rtkit.manager.own_container import own_container  # while the other process starts
+
+    container = own_container(state, data, report, stack)
     loop = Loop(Core(state), container, slave_supervisor, listener, keeper)
     stack.callback(loop.close)
     thread = threading.Thread(target=container.run, name="holder", daemon=True)
@@ -318,70 +308,12 @@ def _open_endpoints(
     stack.callback(loop.query_server.logs.open(link, zenoh_keys.service(host, name)))
     link.serve(zenoh_keys.service(host, name), loop.post)
     fault.point("manager.serving")
-    _open_front(state, session, endpoint, inner, warn, stack)
+    open_ports(state, session, endpoint, inner, warn, stack)
     stack.callback(loop.take_requests_at(places.request_socket(name)))
     stack.callback(link.withdraw)  # last of all opened here, so first at the end
     stack.callback(loop.peers.end)  # but for who asks the router from inside
     fault.point("manager.doors_open")
     return loop
-
-
-def _container(
-    state: ManagerState, data: str, report: Callable[[Message], object], stack: ExitStack
-) -> ComponentContainer:
-    """Return what holds the components of the manager's own process."""
-    from rtkit.container.component_factory import ComponentFactory
-    from rtkit.container.container import ComponentContainer
-    from rtkit.container.heartbeats import Heartbeats, heartbeats_path
-    from rtkit.container.port_wiring import PortWiring
-    from rtkit.container.process_settings import add_log_files, configure
-    from rtkit.container.stdin import give_stdin
-    from rtkit.link.local.streams import LocalStreams
-    from rtkit.link.places import remove_socket
-    from rtkit.modules.loader import Loader
-
-    loader = Loader(manager_properties.load_paths(state), imports_untried=False)
-    configure(manager_properties.message(state), loader)
-    add_log_files(state.settings, state.name)
-    own_data = places.of_pid(data, state.pid)
-    stack.callback(remove_socket, own_data)
-    heartbeats = Heartbeats(heartbeats_path(data, state.pid))
-    container = ComponentContainer(
-        report, PortWiring(state.host, LocalStreams(data), state.name), ComponentFactory(loader)
-    )
-    container.show_heartbeats(heartbeats)
-    give_stdin(container.terminals)
-    return container
-
-
-def _open_front(
-    state: ManagerState,
-    session: Session,
-    endpoint: TcpEndpoint | None,
-    inner: str,
-    warn: Callable[[str], None],
-    stack: ExitStack,
-) -> None:
-    """Open the TCP port for this user, where it is wanted and can be had; and that for others."""
-    from rtkit.link.tcp_endpoint import Identity, introduce
-    from rtkit.manager.endpoint_supervisor import open_front, open_gateway
-    from rtkit.settings.values import tls_endpoint
-
-    identity = Identity(state.host, state.name, state.settings.text("manager.name"))
-    withdraw = introduce(session, identity)
-    try:
-        if endpoint is not None:
-            state.port = open_front(tcp_endpoint_settings(state.settings), endpoint, inner, warn)
-            stack.callback(endpoint.close)
-        state.properties["rtkit.tls_address"] = ""
-        wanted = tls_endpoint(state.settings.text("net.tls"))
-        if wanted is not None:
-            gateway, port = open_gateway(wanted, inner)
-            stack.callback(gateway.close)
-            state.properties["rtkit.tls_address"] = f"{wanted[0]}:{port}"
-    finally:
-        stack.callback(withdraw)
-    state.properties["rtkit.address"] = f"{LOCAL}:{state.port}" if state.port else ""
 
 
 def _register(loop: Loop, state: ManagerState, stack: ExitStack) -> None:
@@ -398,95 +330,6 @@ def _register(loop: Loop, state: ManagerState, stack: ExitStack) -> None:
     found = ev.OperationRequested("add_master_manager", str(master), NOBODY)
     registrar = Registrar(master, state.name, every_s, lambda: loop.post(found))
     stack.callback(registrar.close)
-
-
-def _state(name: str, folder: str, settings: Settings) -> ManagerState:
-    state = ManagerState(host_name(), name, os.getpid(), __version__)
-    state.names = _names(state.host, name, settings)
-    state.processes[ev.OWN_PROCESS] = Process(ev.OWN_PROCESS, name, os.getpid(), "up")
-    state.settings, state.folder = settings, folder
-    state.base_paths = base_paths()
-    state.capacity = _capacity
-    state.properties.update(
-        {
-            "manager.instance_name": name,
-            "manager.pid": str(os.getpid()),
-            "manager.started": f"{time.time():.3f}",
-            "manager.started_after_boot": f"{time.clock_gettime(time.CLOCK_BOOTTIME):.3f}",
-            "openrtm.name": "rtkit",
-            "openrtm.version": __version__,
-            **_system(),
-            "rtkit.version": __version__,
-        }
-    )
-    return state
-
-
-def _capacity() -> Capacity:
-    from rtkit.manager.limits.control_groups import capacity
-
-    return capacity()
-
-
-def _names(host: str, name: str, settings: Settings) -> tuple[str, ...]:
-    """Return under which names the manager itself is registered.
-
-    Raises:
-        Malformed: A template gives a name with an empty element.
-    """
-    templates = (USUAL_NAME, *formats.check_early(settings.text("manager.naming_formats")))
-    return formats.expand(templates, instance=name, host=host, manager=name, pid=os.getpid())
-
-
-def _system() -> dict[str, str]:
-    """Return what this machine is."""
-    system = os.uname()
-    return {
-        "os.name": system.sysname,
-        "os.release": system.release,
-        "os.version": system.version,
-        "os.arch": system.machine,
-        "os.hostname": system.nodename,
-    }
-
-
-def base_paths() -> tuple[str, ...]:
-    """Return where modules are always looked for: ``RTKIT_MODULE_PATH``, the samples."""
-    chosen = os.environ.get("RTKIT_MODULE_PATH", "")
-    named = [os.path.abspath(path) for path in chosen.split(os.pathsep) if path]
-    return (*named, shipped("examples", "basic"))
-
-
-_STDERR = 2
-
-
-def catch_signals(post: Callable[[StopRequested], object], *, is_shown: bool) -> None:
-    """End in order at TERM, INT and QUIT, in the foreground also when the terminal is closed (HUP).
-
-    QUIT first writes to stderr where every thread is, USR1 writes it and nothing else. In the
-    foreground a second INT or QUIT ends at once. Signals that a shell or ``nohup`` had ignored stay
-    so.
-
-    TERM comes with the end of the machine, not from a user: desired state is kept then.
-    """
-    caught: list[int] = []
-
-    def stop(number: int, _frame: object) -> None:
-        is_key = number in (signal.SIGINT, signal.SIGQUIT)
-        is_urgent = is_shown and is_key and bool(caught)
-        caught.append(number)
-        post(StopRequested(is_urgent, is_kept=number == signal.SIGTERM))
-
-    signal.signal(signal.SIGTERM, stop)
-    for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
-        if signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, stop)
-    if not is_shown:
-        signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    if signal.getsignal(signal.SIGQUIT) is stop:
-        faulthandler.register(signal.SIGQUIT, _STDERR, all_threads=True, chain=True)
-    faulthandler.register(signal.SIGUSR1, _STDERR, all_threads=True)
-    signal.signal(signal.SIGCHLD, lambda *_: None)
 
 
 def main() -> int:

@@ -13,12 +13,11 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from rtkit import fault
 from rtkit.container.container import ComponentContainer
 from rtkit.container.exit_diagnostics import exit_diagnostics
-from rtkit.container.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
 from rtkit.deployment.delta import TREE
 from rtkit.deployment.message import Message
 from rtkit.deployment.metrics import METRICS
@@ -26,40 +25,31 @@ from rtkit.deployment.port_samples import SAMPLES
 from rtkit.deployment.terminal import TERMINAL
 from rtkit.errors import RtkitError
 from rtkit.fast_dataclass import replace
-from rtkit.link import places, zenoh_keys
+from rtkit.link import zenoh_keys
 from rtkit.link.requests.server import RequestServer
 from rtkit.link.transport import Link
-from rtkit.logs.outputs import cut
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.event_ring import CORE, EventRing
 from rtkit.manager.core.requests import NOBODY, PendingRequests
 from rtkit.manager.device_watch import DeviceWatch
 from rtkit.manager.duty import Duty
-from rtkit.manager.ended_slave import with_exit_diagnostics
 from rtkit.manager.fault_guard import FaultGuard, header, select_but, text_of
 from rtkit.manager.following.following import Following
 from rtkit.manager.host_link_processes import HostLinkProcesses
 from rtkit.manager.limits.usage import usage
 from rtkit.manager.peers.peers import Peers
 from rtkit.manager.port_sampler import PortSampler
-from rtkit.manager.predecessor.descendants import Descendants
+from rtkit.manager.process_monitor import ProcessMonitor
 from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.manager.service_notifier import ServiceNotifier
 from rtkit.manager.slaves.slave_connections import SlaveConnections
 from rtkit.manager.slaves.slave_supervisor import SlaveSupervisor
-from rtkit.manager.slaves.watchdog import DEADLINE_S, Watchdog, callback_deadline_s, remove_traces
 from rtkit.manager.store.writer import StoreWriter
 from rtkit.manager.terminal_relay import TerminalRelay
 from rtkit.property.exchange import Reply, Request, failure
 
-if TYPE_CHECKING:
-    from rtkit.manager.limits.limiter import Limiter
-
 _log = logging.getLogger(__name__)
-TIDY_S = 1.0
-"""Period in which processes are checked that report nothing of themselves [s]."""
-
 _WAKES = 4096
 _LONG_S = 3600.0
 """The longest sleep; a selector takes no arbitrarily long one [s]."""
@@ -118,20 +108,15 @@ class Loop:
         self._slave_supervisor = slave_supervisor
         self._inbox: queue.SimpleQueue[ev.Event | Request | _Failed] = queue.SimpleQueue()
         self._wake_at: float | None = None
-        self._watchdog = Watchdog(
-            slave_supervisor.data_pattern, self._deadline_s, self._shortest_s, self._ask_for_stack
+        self._processes = ProcessMonitor(
+            core.state, slave_supervisor, self._handle, self.post, self._send
         )
-        self._watchdog.watch(ev.OWN_PROCESS, core.state.pid)
         self._devices = DeviceWatch(self._handle)
-        self._descendants: Descendants | None = None
-        self._limiter: Limiter | None = None  # made for the first slave with limits
         self.peers = Peers(core.state, self.post, self.requests.add, self.note_fault)
-        self._stacks = open_stacks(slave_supervisor.data_pattern, core.state.pid)
         self._sampler = PortSampler(core.state, self._send)
         self.query_server.sample = self._sampler.ask
         self._terminals = TerminalRelay(core.state, self._send)
         self.query_server.ask_terminal = self._terminals.ask
-        self._tidy_at = 0.0
         self._announce: dict[str, Callable[[str], object]] = {}
         self._is_finished = self._is_closed = False
         self._selector = selectors.DefaultSelector()
@@ -222,24 +207,21 @@ class Loop:
         self.peers.close()
         self._selector.close()
         self.connections.close()
-        self._watchdog.forget(ev.OWN_PROCESS)
-        remove_traces(self._slave_supervisor.data_pattern, self._core.state.pid)  # watched or not
-        for descriptor in (self._wake_read, self.wake_descriptor, self._stacks):
+        self._processes.close()
+        for descriptor in (self._wake_read, self.wake_descriptor):
             os.close(descriptor)
 
     def _all_duties(self) -> tuple[Duty, ...]:
         """Return what is to be done at certain times; a new duty belongs here, and is guarded."""
-        supervisor, lines, state = self._slave_supervisor, self.connections, self._core.state
+        supervisor, lines = self._slave_supervisor, self.connections
         return (
             Duty("settling", lambda: lines.deadline, lines.check_settled, is_each_turn=True),
             Duty("timer", lambda: self._wake_at, self._tick),
             Duty("zygote", lambda: supervisor.start_at, lines.restart_zygote),
-            Duty("callbacks", self._look_at, self._look),
-            Duty("limits", self._next_look_at_limits, self._look_at_limits),
+            *self._processes.duties(),
             Duty("samples", self._sampler.due_at, self._sampler.give_up),
             Duty("terminals", self._terminals.due_at, self._terminals.hurry),
             Duty("devices", lambda: self._devices.look_at, self._devices.look),
-            Duty("tidying", lambda: self._tidy_at if state.components else None, self._tidy),
             Duty("sweeping", lambda: supervisor.sweep_at, supervisor.sweep),
             Duty("heartbeat", lambda: self.notifier.due_at, lambda: self.notifier.beat()),
         )
@@ -257,59 +239,6 @@ class Loop:
     def _tick(self) -> None:
         self._wake_at = None
         self._handle(ev.TimerExpired())
-
-    def _look_at(self) -> float | None:
-        return self._watchdog.look_at if self._has_callbacks else None
-
-    def _look(self) -> None:
-        """See whether a callback is stuck."""
-        for event in list(self._watchdog.poll()):
-            self._handle(event)
-
-    def _next_look_at_limits(self) -> float | None:
-        return self._limiter.look_at if self._limiter is not None else None
-
-    def _look_at_limits(self) -> None:
-        """See whether a slave has reached a limit."""
-        assert self._limiter is not None
-        for reached in self._limiter.look():
-            self._handle(reached)
-
-    def _limit(self, instruction: ev.LimitSlave) -> None:
-        if self._limiter is None:
-            from rtkit.manager.limits.limiter import Limiter
-
-            self._limiter = Limiter()
-        self._limiter.limit(instruction.key, instruction.pid, instruction.limits)
-
-    @property
-    def _has_callbacks(self) -> bool:
-        """Return whether there are components, or anything else that could be stuck."""
-        state = self._core.state
-        return bool(state.components or state.claims) or len(state.processes) > 1
-
-    def _inspect(self, key: int, age_s: float) -> None:
-        for event in self._watchdog.inspect(key, age_s):
-            self.post(event)
-
-    def _ask_for_stack(self, key: int, is_urgent: bool) -> None:
-        if key == ev.OWN_PROCESS:
-            write_stacks(self._stacks)
-        elif is_urgent:
-            process = self._core.state.processes.get(key)
-            # A stopped one gets it later, and an attached one may do with signals what it likes.
-            if process is not None and process.state == "up" and not process.is_guest:
-                self._slave_supervisor.signal(key, STACK_SIGNAL)
-        else:
-            self.connections.send(key, {"op": ASK})
-
-    def _deadline_s(self, instance: str) -> float:
-        facts = self._core.state.components.get(instance)
-        return callback_deadline_s(facts.create if facts is not None else "")
-
-    def _shortest_s(self) -> float:
-        creates = (facts.create for facts in self._core.state.components.values())
-        return min(map(callback_deadline_s, creates), default=DEADLINE_S)
 
     def _drain(self) -> None:
         woken_by = os.read(self._wake_read, _WAKES)
@@ -353,9 +282,7 @@ class Loop:
         if isinstance(event, ev.ContainerReported) and self._is_aside(event):
             return
         if isinstance(event, ev.SlaveEnded):
-            limit_reason = self._limiter.reason if self._limiter is not None else None
-            running_on = self._watchdog.instance_on
-            event = with_exit_diagnostics(self._core.state, event, running_on, limit_reason)
+            event = self._processes.explained(event)
         elif isinstance(event, ev.SlaveExitedUnseen):
             words = exit_diagnostics(self._core.state.name, event.name, event.pid)
             event = replace(event, reason=words.reason(event.reason), time=words.time_s)
@@ -401,7 +328,7 @@ class Loop:
         fault.point("duty.aftermath")
         match event:
             case ev.ContainerReported(key, message) if "metrics" not in message:
-                self._watchdog.hasten(key)
+                self._processes.hasten(key)
             case ev.FollowAsked():
                 self.following.sync()
             case ev.OperationRequested("link_host" | "unlink_host" | "own"):
@@ -410,33 +337,13 @@ class Loop:
                 self.notifier.end(is_restart=self.query_server.restart is not None)
                 self.following.end()
             case ev.SlaveReady(key):
-                self._watchdog.watch(key, self._core.state.processes[key].pid)
+                self._processes.watch(key, self._core.state.processes[key].pid)
             case ev.SlaveStopped(key, is_halted):
-                self._watchdog.halted(key, is_halted=is_halted)
+                self._processes.halted(key, is_halted=is_halted)
             case ev.SlaveEnded(key):
                 self._terminals.ended(key, event.reason)
                 self.connections.drop(key)
-                self._watchdog.forget(key)
-                if self._limiter is not None:
-                    self._limiter.forget(key)
-
-    def _tidy(self) -> None:
-        """See who is stopped, and keep short what is written past logs."""
-        state = self._core.state
-        self._tidy_at = time.monotonic() + TIDY_S
-        for event in list(self._slave_supervisor.halts()):
-            self._handle(event)
-        self._note_descendants()
-        for process in state.processes.values():
-            if not process.is_guest:
-                cut(places.output_file(state.name, process.name if process.is_slave else ""))
-
-    def _note_descendants(self) -> None:
-        """Note what components in this process have started, should the manager be killed."""
-        if self._descendants is None and ev.OWN_PROCESS in self._core.state.containers.values():
-            self._descendants = Descendants(self._core.state.name)
-        if self._descendants is not None:
-            self._descendants.note(self._slave_supervisor.processes)
+                self._processes.forget(key)
 
     def _listened(self, line: str, has_listeners: bool) -> None:
         self.post(ev.ListenersChanged(line, has_listeners))
@@ -477,12 +384,12 @@ class Loop:
             case ev.AdoptSlave(key, pid, is_guest):
                 self.connections.adopt(key, pid, is_guest=is_guest)
                 fault.point("manager.adopted")
-                self._watchdog.watch(key, pid, is_guest=is_guest)
+                self._processes.watch(key, pid, is_guest=is_guest)
             case ev.SignalSlave(key, number):
                 self._slave_supervisor.signal(key, signal.Signals(number))
                 fault.point("manager.signalled")
             case ev.LimitSlave():
-                self._limit(instruction)
+                self._processes.limit(instruction)
             case ev.AskPeer() | ev.WatchPeers():
                 fault.point("manager.asking_peer")
                 self.peers.order(instruction)
@@ -491,7 +398,7 @@ class Loop:
             case ev.RemoveStore():
                 self._keeper.forget()
             case ev.InspectProcess(key, age_s):
-                self._inspect(key, age_s)
+                self._processes.inspect(key, age_s)
             case ev.Publish(line, message):
                 self._publish(line, message)
             case ev.WakeAt(moment):

@@ -21,21 +21,22 @@ from contextlib import ExitStack
 from rtkit.link import zenoh_keys, places, secret
 from rtkit.link import tcp_endpoint as door
 from rtkit.link.zenoh import ZenohLink, open_client, open_listener, unix_endpoint
-from rtkit.manager import daemon
-from rtkit.manager.endpoint_supervisor import TcpEndpoint
+from rtkit.manager.endpoints.listening_process import TcpEndpoint
+from rtkit.manager.endpoints.ports import open_ports
+from rtkit.manager.initial_state import initial_state
 from rtkit.settings.configuration import CommandLineSettings, read
 
 settings = read(CommandLineSettings(overrides=("net.endpoints:localhost:0",))).settings
 for number in range(int(sys.argv[1])):
     name = f"m{number}"
-    state = daemon._state(name, "/", settings)
+    state = initial_state(name, "/", settings)
     inner = unix_endpoint(places.manager_socket(name))
     with ExitStack() as stack:
         session = open_listener(inner)
         link = ZenohLink(session)
         stack.callback(link.close)
         link.serve(zenoh_keys.service(state.host, name), lambda request: None)
-        daemon._open_front(state, session, TcpEndpoint(inner), inner, print, stack)
+        open_ports(state, session, TcpEndpoint(inner), inner, print, stack)
         stack.callback(link.withdraw)
         clients = []
         silent = []

@@ -125,7 +125,7 @@ GUARDS = (
     ),
     Guard(
         "system/test_restart.py::test_manager_and_zygote_killed",
-        "rtkit/manager/loop.py",
+        "rtkit/manager/process_monitor.py",
         "list(self._slave_supervisor.halts())",
         "()",
     ),

@@ -1,7 +1,7 @@
 """Process of a gateway: serves the TLS port of a manager until that is gone.
 
-`rtkit.manager.endpoint_supervisor` starts it and has it open ``ADDRESS PORT``. Whatever strangers
-send ends here, far from the manager: they reach no session of zenoh.
+`rtkit.manager.endpoints.listening_process` starts it and has it open ``ADDRESS PORT``. Whatever
+strangers send ends here, far from the manager: they reach no session of zenoh.
 """
 
 from __future__ import annotations
