@@ -47,7 +47,6 @@ _INDEX = struct.Struct("<I")
 _TIMEVAL = struct.Struct("@ll")
 _LONGEST_S = 1e6
 _MOST = MOST_INLINE + 64
-_SMALL = 64
 _ROOM = socket.CMSG_SPACE(4)
 # As numbers: the members of an enumeration take longer to join than a packet to send.
 _FLAGS = int(socket.MSG_NOSIGNAL | socket.MSG_DONTWAIT)
@@ -293,18 +292,16 @@ class Channel:
         return not self._is_over
 
     def take_back(self) -> None:
-        """Take marks that the other end has sent back; for ends that receive nothing else."""
+        """Take marks that the other end has sent back, and answers that come too late.
+
+        It is for ends that wait for nothing else.
+        """
         try:
-            while True:
-                data = self._receive(_SMALL, NOW)
-                if not data:
-                    break
-                packet = self._read(data[:1], data, [])
-                if packet is not None:
-                    _, self.returned, _ = packet
+            while (packet := self.receive(NOW)) is not None:
+                _, self.returned, _ = packet
         except BlockingIOError:
             return
-        except (OSError, ValueError, LookupError, struct.error):
+        except (OSError, ValueError):
             pass
         self._is_over = True
 
