@@ -135,7 +135,7 @@ def made(count: int) -> float:
     """Return how long a plain loop takes to make so many components [ms]."""
     from rtkit.component import TimedLong
     from rtkit.component.base import Component
-    from rtkit.component.out_port import OutPort
+    from rtkit.component.ports.out_port import OutPort
 
     class Source(Component):
         """What the samples' console source declares."""

@@ -13,8 +13,8 @@ from bench.harness import Lines, Row, create, manager, remove, timed, until_list
 from bench.pairs import Measured, paired
 from bench.placement import pin
 from rtkit.component.geometry import Pose2D, TimedPose2D
-from rtkit.component.in_port import InPort
-from rtkit.component.out_port import OutPort
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.out_port import OutPort
 from rtkit.component.types import Time
 from rtkit.deployment.actions import Load
 from rtkit.modules.loader import Loader

@@ -18,11 +18,11 @@ from bench.harness import Lines, Missing, Row, manager
 from bench.pairs import Measured, Pair, medians, paired, until_tight
 from bench.placement import pin
 from bench.raw import KINDS
-from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Pose2D, TimedPose2D
-from rtkit.component.in_port import InPort
-from rtkit.component.out_port import OutPort
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.out_port import OutPort
 from rtkit.component.types import Time
+from rtkit.component.values.codec import codec_for
 from rtkit.deployment.actions import Action, ChangeState, Connect, Create, Load, SetParameters
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef

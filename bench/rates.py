@@ -20,7 +20,7 @@ from random import Random
 
 from bench.harness import Lines, Missing, Row, manager
 from bench.pairs import Measured
-from rtkit.component.period import Period
+from rtkit.component.contexts.period import Period
 from rtkit.deployment.actions import Action, ChangeState, Create, SetParameters
 from rtkit.rtc.enums import Transition
 from rtkit.tree.client import Tree

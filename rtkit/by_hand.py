@@ -22,8 +22,8 @@ from types import FunctionType
 from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 from rtkit.closing import Closing
-from rtkit.component import callbacks
 from rtkit.component.base import Component
+from rtkit.component.contexts import callbacks
 from rtkit.component.describe import CODE
 from rtkit.component.factory import free_name
 from rtkit.container.attached_process import ENTERING, AttachedProcess, attached_to, leave_if_empty

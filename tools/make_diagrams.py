@@ -13,7 +13,7 @@ from math import hypot
 from pathlib import Path
 
 from rtkit.component import InPort
-from rtkit.component.lifecycle import ACTIVE, CALLBACK, CREATED, ERROR, INACTIVE, TABLE
+from rtkit.component.contexts.lifecycle import ACTIVE, CALLBACK, CREATED, ERROR, INACTIVE, TABLE
 from rtkit.deployment.supervision import (
     HEALTHY_S,
     LONGEST_S,

@@ -12,9 +12,9 @@ from pathlib import Path
 
 from rtkit.builder.profile_of import profile_of
 from rtkit.component.base import Component
+from rtkit.component.contexts.owned_contexts import kind_named
 from rtkit.component.describe import describe
 from rtkit.component.fsm import EVENT_NAME
-from rtkit.component.owned_contexts import kind_named
 from rtkit.deployment import actions as act
 from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.extension import MODULE

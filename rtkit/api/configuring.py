@@ -50,7 +50,7 @@ def check(facts: ComponentFacts, wanted: Sets, notify: Callable[[str], object]) 
         NotFound: No such parameter.
         Malformed: A text that the parameter cannot have.
     """
-    from rtkit.component.constraint_check import misfit, misfit_of, parameter_names
+    from rtkit.component.configuration.constraint_check import misfit, misfit_of, parameter_names
 
     declared = _declared(facts, wanted, notify)
     bad: list[tuple[str, RtkitError]] = []
@@ -78,7 +78,7 @@ def _declared(
     facts: ComponentFacts, wanted: Sets, notify: Callable[[str], object]
 ) -> Mapping[str, ParameterType]:
     """Return the constraints that an RTC profile has where the component itself has none."""
-    from rtkit.component.constraint_check import CONSTRAINT_SET
+    from rtkit.component.configuration.constraint_check import CONSTRAINT_SET
 
     constraints = facts.sets.get(CONSTRAINT_SET, {})
     if all(name in constraints for values in wanted.values() for name in values):

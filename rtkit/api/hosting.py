@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, NamedTuple
 
 import rtkit.component as rtc
-from rtkit.component.parameter import Parameter
+from rtkit.component.configuration.parameter import Parameter
 from rtkit.errors import Malformed, Refused
 from rtkit.property.annotations import bare, hints_of_function, spec_of
 from rtkit.property.conversion import to_value

@@ -11,7 +11,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.api.observers import place_of
-from rtkit.component.constraint_check import CONSTRAINT_SET, WIDGET_SET
+from rtkit.component.configuration.constraint_check import CONSTRAINT_SET, WIDGET_SET
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.deployment.listing import ListingRow, listing_of
 from rtkit.profile_tools.system_summary import short_type

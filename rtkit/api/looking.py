@@ -85,7 +85,7 @@ def _unknown_options(options: Mapping[str, str]) -> Iterable[str]:
 
 def _odd(connector: ConnectorProfile) -> list[str]:
     """Return the unknown or senseless properties of a connector."""
-    from rtkit.component.options import parse_options, remarks
+    from rtkit.component.ports.options import parse_options, remarks
 
     try:
         parse_options(connector.properties)

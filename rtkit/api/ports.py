@@ -60,7 +60,7 @@ def streams_of(
     Raises:
         RtkitError: One of them is not there or not of that kind.
     """
-    from rtkit.component.typenames import type_by_name
+    from rtkit.component.values.typenames import type_by_name
     from rtkit.probe.port_spec import find_streams
     from rtkit.rtc.data_types import scoped_name
     from rtkit.tree.clock import stamp_clock
@@ -228,7 +228,7 @@ class PortReader(Closing):
             NotFound: A component or a port does not exist.
             Refused: A connection is not possible.
         """
-        from rtkit.component.codec import codec_for
+        from rtkit.component.values.codec import codec_for
         from rtkit.rtc.enums import PortType
 
         tree, streams = _streams(tree, ports, PortType.OUT)
@@ -308,8 +308,8 @@ def _value(cls: type, given: Any) -> Any:
     """Return what was given as a value of a type; plain data are read as ``rtinject`` does."""
     if isinstance(given, cls):
         return given
-    from rtkit.component.literal import Literal
     from rtkit.component.types import Time
+    from rtkit.component.values.literal import Literal
 
     try:
         text = json.dumps(given)
@@ -347,6 +347,6 @@ def call(tree: Tree, typed: str, arguments: Sequence[Any], timeout_s: float) -> 
 
 def _text(value: Any) -> str:
     """Return a value as the text that is typed for it; a text is it already."""
-    from rtkit.component.value_text import plain
+    from rtkit.component.values.value_text import plain
 
     return value if isinstance(value, str) else json.dumps(plain(value))

@@ -28,7 +28,7 @@ from rtkit.builder.subject import (
     StateClass,
 )
 from rtkit.builder.types_code import TypesCode
-from rtkit.component.owned_contexts import PERIODIC
+from rtkit.component.contexts.owned_contexts import PERIODIC
 from rtkit.profile.rtc_model import ActionDoc
 
 BODY = INDENT * 2

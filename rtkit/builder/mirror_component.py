@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from rtkit.builder.sample_system import data_connector, end_of, system_of
 from rtkit.builder.subject import GeneratedComponent, GeneratedPort
-from rtkit.component.owned_contexts import PERIODIC
+from rtkit.component.contexts.owned_contexts import PERIODIC
 from rtkit.fast_dataclass import replace
 from rtkit.profile.rtc_model import Actions, ActionStatus, DataPortDeclaration, RtcProfile
 from rtkit.profile.rts_model import DataPortConnector, ServicePortConnector

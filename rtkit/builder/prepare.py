@@ -22,8 +22,8 @@ from rtkit.builder.subject import (
 )
 from rtkit.builder.types_code import TypesCode
 from rtkit.component.base import Component
+from rtkit.component.contexts.owned_contexts import PERIODIC, kind_named
 from rtkit.component.fsm import FsmComponent, State
-from rtkit.component.owned_contexts import PERIODIC, kind_named
 from rtkit.component.state_table import lineage
 from rtkit.errors import Refused
 from rtkit.idl.model import Definitions, InterfaceDeclaration, Named, Path

@@ -17,11 +17,11 @@ from rtkit.builder.machine_of_profile import INITIAL
 from rtkit.builder.settings import WIDGET
 from rtkit.builder.source_text import sentence
 from rtkit.component.base import Component
+from rtkit.component.configuration.kinds import kind_of
+from rtkit.component.configuration.parameter import Parameter
+from rtkit.component.contexts.owned_contexts import kind_named
 from rtkit.component.describe import describe
 from rtkit.component.fsm import EventPort, FsmComponent
-from rtkit.component.kinds import kind_of
-from rtkit.component.owned_contexts import kind_named
-from rtkit.component.parameter import Parameter
 from rtkit.errors import Malformed
 from rtkit.profile import rtc_model as rtc
 from rtkit.profile.common import ExtensionProperty

@@ -9,7 +9,7 @@ from rtkit.builder.packaging import project_name
 from rtkit.builder.regions import MARKDOWN_STAMP
 from rtkit.builder.source_text import clean, doc_text, one_line
 from rtkit.builder.subject import GeneratedComponent, GeneratedPort
-from rtkit.component.owned_contexts import PERIODIC
+from rtkit.component.contexts.owned_contexts import PERIODIC
 
 _KINDS = {"InPort": "in", "OutPort": "out", "EventPort": "event"}
 _PORT_FACTS = {

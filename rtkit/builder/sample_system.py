@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 
 from rtkit.builder.regions import XML_STAMP
 from rtkit.builder.subject import GeneratedComponent
+from rtkit.component.configuration.kinds import kind_of
+from rtkit.component.contexts.owned_contexts import kind_named
 from rtkit.component.fsm import EVENT_NAME
-from rtkit.component.kinds import kind_of
-from rtkit.component.owned_contexts import kind_named
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import (
     RTS_VERSION,

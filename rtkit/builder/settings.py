@@ -9,8 +9,8 @@ from typing import Any
 from rtkit.builder.identifiers import Taken, attribute_name, cut
 from rtkit.builder.source_text import doc_text, one_line
 from rtkit.builder.subject import GeneratedParameter
-from rtkit.component.kinds import elements, read_bool, read_float, read_int
-from rtkit.component.parameter import Parameter
+from rtkit.component.configuration.kinds import elements, read_bool, read_float, read_int
+from rtkit.component.configuration.parameter import Parameter
 from rtkit.errors import Malformed
 from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.rtc_model import ConfigurationParameter, RtcProfile

@@ -8,7 +8,7 @@ from rtkit.builder.regions import CODE_STAMP, region
 from rtkit.builder.source_layout import Node, assigned, mapping
 from rtkit.builder.source_text import docstring, one_line
 from rtkit.builder.subject import GeneratedComponent, GeneratedInterface
-from rtkit.component.kinds import kind_of
+from rtkit.component.configuration.kinds import kind_of
 from rtkit.rtc.enums import PortType
 
 _HEAD = """

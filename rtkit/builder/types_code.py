@@ -95,7 +95,7 @@ class TypesCode:
         standard = [f"from {m} import {', '.join(names)}" for m, names in modules.items()]
         ours = ["from rtkit import component as rt"] if "rt" in uses else []
         ours += [standard_types.IMAGES] if "images" in uses else []
-        ours += ["from rtkit.component.typenames import shared"] if "shared" in uses else []
+        ours += ["from rtkit.component.values.typenames import shared"] if "shared" in uses else []
         return [line for block in (standard, ours) if block for line in ["", *block]]
 
     def _emit(self, path: Path) -> Iterator[list[str]]:

@@ -16,23 +16,23 @@ if TYPE_CHECKING:
     from rtkit.component.actuators import *  # noqa: F403
     from rtkit.component.base import Component as Component
     from rtkit.component.base import Manager as Manager
-    from rtkit.component.connector_events import ConnectorEvent as ConnectorEvent
+    from rtkit.component.configuration.parameter import Parameter as Parameter
     from rtkit.component.extended import *  # noqa: F403
     from rtkit.component.fsm import EventPort as EventPort
     from rtkit.component.fsm import FsmComponent as FsmComponent
     from rtkit.component.fsm import State as State
     from rtkit.component.fsm import takes as takes
     from rtkit.component.geometry import *  # noqa: F403
-    from rtkit.component.in_port import InPort as InPort
-    from rtkit.component.interface import raises as raises
-    from rtkit.component.interface import returns as returns
     from rtkit.component.navigation import *  # noqa: F403
-    from rtkit.component.options import PortStatus as PortStatus
-    from rtkit.component.out_port import OutPort as OutPort
-    from rtkit.component.parameter import Parameter as Parameter
+    from rtkit.component.ports.connector_events import ConnectorEvent as ConnectorEvent
+    from rtkit.component.ports.in_port import InPort as InPort
+    from rtkit.component.ports.options import PortStatus as PortStatus
+    from rtkit.component.ports.out_port import OutPort as OutPort
     from rtkit.component.sensors import *  # noqa: F403
-    from rtkit.component.service import RequiredPort as RequiredPort
-    from rtkit.component.service import ServicePort as ServicePort
+    from rtkit.component.services.interface import raises as raises
+    from rtkit.component.services.interface import returns as returns
+    from rtkit.component.services.service import RequiredPort as RequiredPort
+    from rtkit.component.services.service import ServicePort as ServicePort
     from rtkit.component.timed import *  # noqa: F403
     from rtkit.component.types import Char as Char
     from rtkit.component.types import Double as Double
@@ -50,14 +50,14 @@ if TYPE_CHECKING:
 
 _HOME = {
     "base": ("Component", "Manager"),
-    "connector_events": ("ConnectorEvent",),
+    "configuration.parameter": ("Parameter",),
     "fsm": ("EventPort", "FsmComponent", "State", "takes"),
-    "in_port": ("InPort",),
-    "interface": ("raises", "returns"),
-    "out_port": ("OutPort",),
-    "parameter": ("Parameter",),
-    "service": ("RequiredPort", "ServicePort"),
-    "options": ("PortStatus",),
+    "ports.connector_events": ("ConnectorEvent",),
+    "ports.in_port": ("InPort",),
+    "ports.options": ("PortStatus",),
+    "ports.out_port": ("OutPort",),
+    "services.interface": ("raises", "returns"),
+    "services.service": ("RequiredPort", "ServicePort"),
     "types": (
         "Char", "Double", "Float", "Long", "LongLong", "Octet", "Short", "ULong", "ULongLong",
         "UShort", "WChar", "WString",

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 
-from rtkit.component.any_port import Port
-from rtkit.component.callbacks import Callbacks, Failure, attempt
-from rtkit.component.config import DEFAULT, Configuration
-from rtkit.component.context import ExecutionContext
-from rtkit.component.in_port import InPort
-from rtkit.component.kinds import kind_of
-from rtkit.component.out_port import OutPort
-from rtkit.component.owned_contexts import PERIODIC, wanted_contexts
-from rtkit.component.parameter import Parameter, declared_parameters
-from rtkit.component.service import ServicePort
+from rtkit.component.configuration.config import DEFAULT, Configuration
+from rtkit.component.configuration.kinds import kind_of
+from rtkit.component.configuration.parameter import Parameter, declared_parameters
+from rtkit.component.contexts.callbacks import Callbacks, Failure, attempt
+from rtkit.component.contexts.context import ExecutionContext
+from rtkit.component.contexts.owned_contexts import PERIODIC, wanted_contexts
+from rtkit.component.ports.any_port import Port
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.out_port import OutPort
+from rtkit.component.services.service import ServicePort
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.names import check_instance_name, check_port_name

@@ -11,9 +11,9 @@ from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from typing import Any
 
-from rtkit.component.any_port import Port
-from rtkit.component.parameter import Parameter
-from rtkit.component.service import ServicePort
+from rtkit.component.configuration.parameter import Parameter
+from rtkit.component.ports.any_port import Port
+from rtkit.component.services.service import ServicePort
 from rtkit.errors import Refused
 
 _HOME = "rtkit.component."

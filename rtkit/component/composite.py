@@ -15,11 +15,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from typing import ClassVar
 
-from rtkit.component.any_port import Port
 from rtkit.component.base import Component
-from rtkit.component.config import DEFAULT
-from rtkit.component.context import ExecutionContext
-from rtkit.component.parameter import Parameter
+from rtkit.component.configuration.config import DEFAULT
+from rtkit.component.configuration.parameter import Parameter
+from rtkit.component.contexts.context import ExecutionContext
+from rtkit.component.ports.any_port import Port
 from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.rtc.enums import LifeCycleState, ReturnCode, Transition
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from rtkit.component.base import Component
-from rtkit.component.typenames import type_name
+from rtkit.component.values.typenames import type_name
 from rtkit.fast_dataclass import replace
 from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.profiles import ExecutionContextProfile, PortProfile

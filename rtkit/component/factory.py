@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Mapping, Sequence
 
 from rtkit.component.base import Component
-from rtkit.component.callbacks import CALLBACKS, describe_failure, unfit_kind
+from rtkit.component.contexts.callbacks import CALLBACKS, describe_failure, unfit_kind
 from rtkit.component.standin import stand_in
 from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.rtc.create import CreateString

@@ -37,12 +37,12 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, TypeVar
 
 from rtkit.component.base import Component
-from rtkit.component.buffer import Sink, Source
-from rtkit.component.connector_events import ConnectorEvent, receiving
-from rtkit.component.in_port import InPort, Listener, Renew
-from rtkit.component.options import PortStatus
+from rtkit.component.ports.buffer import Sink, Source
+from rtkit.component.ports.connector_events import ConnectorEvent, receiving
+from rtkit.component.ports.in_port import InPort, Listener, Renew
+from rtkit.component.ports.options import PortStatus
 from rtkit.component.state_table import StateTable, StateTransition, Table, lineage
-from rtkit.component.typenames import type_by_name, type_name
+from rtkit.component.values.typenames import type_by_name, type_name
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.data_types import is_same_type, scoped_name
 from rtkit.rtc.enums import ReturnCode

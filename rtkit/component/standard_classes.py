@@ -16,8 +16,8 @@ from threading import RLock
 from typing import Any
 
 from rtkit.component.standard import FAMILIES, StandardType, declared_in, find
-from rtkit.component.typenames import register
 from rtkit.component.types import BASIC_TYPES, Char, WChar
+from rtkit.component.values.typenames import register
 from rtkit.fast_dataclass import make_dataclass
 
 _DEFAULTS = {"Mat44": tuple(tuple(float(row == column) for column in range(4)) for row in range(4))}

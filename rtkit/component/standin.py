@@ -12,14 +12,14 @@ from collections.abc import Callable, Mapping
 from itertools import cycle
 from typing import Any
 
-from rtkit.component.any_port import Port
 from rtkit.component.base import ACTIVE_SET, Component
-from rtkit.component.in_port import InPort
-from rtkit.component.literal import Literal, zero_value
-from rtkit.component.out_port import OutPort
-from rtkit.component.service import ServicePort
-from rtkit.component.typenames import type_by_name
+from rtkit.component.ports.any_port import Port
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.out_port import OutPort
+from rtkit.component.services.service import ServicePort
 from rtkit.component.types import Time
+from rtkit.component.values.literal import Literal, zero_value
+from rtkit.component.values.typenames import type_by_name
 from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.enums import PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
-from rtkit.component.defined_interface import interface_of
-from rtkit.component.interface import Interface, InterfaceMethod
-from rtkit.component.service import ServicePort
-from rtkit.component.type_layout import zero
+from rtkit.component.services.defined_interface import interface_of
+from rtkit.component.services.interface import Interface, InterfaceMethod
+from rtkit.component.services.service import ServicePort
+from rtkit.component.values.type_layout import zero
 from rtkit.errors import NotFound
 from rtkit.rtc.enums import Polarity
 from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile

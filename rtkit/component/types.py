@@ -11,7 +11,7 @@ import time
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from rtkit.component.typenames import register
+from rtkit.component.values.typenames import register
 from rtkit.fast_dataclass import dataclass
 
 Char = Annotated[str, "char"]

@@ -14,17 +14,17 @@ from functools import partial
 from typing import Any, TypeVar
 
 from rtkit import fault
-from rtkit.component import invocation
-from rtkit.component.any_port import Port
 from rtkit.component.base import Component
-from rtkit.component.data_port import DataPort
-from rtkit.component.in_port import InPort
-from rtkit.component.invocation import CallRouting, CallTarget, Direct, Remote
-from rtkit.component.options import parse_options
-from rtkit.component.out_port import OutPort
-from rtkit.component.reentrancy import Reentrancy
-from rtkit.component.service import ServicePort
-from rtkit.component.waiting import waiting
+from rtkit.component.contexts.waiting import waiting
+from rtkit.component.ports.any_port import Port
+from rtkit.component.ports.data_port import DataPort
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.options import parse_options
+from rtkit.component.ports.out_port import OutPort
+from rtkit.component.services import invocation
+from rtkit.component.services.invocation import CallRouting, CallTarget, Direct, Remote
+from rtkit.component.services.reentrancy import Reentrancy
+from rtkit.component.services.service import ServicePort
 from rtkit.container.operations import LATER, ContainerServices, Operations
 from rtkit.container.port_wiring import PortWiring
 from rtkit.deployment.message import Message

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit import fault
 from rtkit.component.base import Component
-from rtkit.component.config import nobody
-from rtkit.component.context import ExecutionContext
+from rtkit.component.configuration.config import nobody
+from rtkit.component.contexts.context import ExecutionContext
+from rtkit.component.contexts.participant import DrivenComponent
 from rtkit.component.current import current
-from rtkit.component.participant import DrivenComponent
 from rtkit.container.composites import Composites, check_settings, is_composite
 from rtkit.container.connectors import Connectors
 from rtkit.container.execution_contexts import ExecutionContexts, StateMachines, release

@@ -10,7 +10,7 @@ import resource
 from _thread import get_native_id
 from collections.abc import Mapping
 
-from rtkit.component.context import ExecutionContext
+from rtkit.component.contexts.context import ExecutionContext
 from rtkit.container import processors
 from rtkit.container.collector_between import CollectorBetween
 from rtkit.container.process_wishes import USUAL_SWITCH_S, Wish, freeze, wishes

@@ -11,11 +11,11 @@ from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
 from rtkit.component.base import Component
-from rtkit.component.context import ExecutionContext, always
-from rtkit.component.in_port import InPort
-from rtkit.component.input_wait import allow_input, leave_input
-from rtkit.component.participant import DrivenComponent
-from rtkit.component.period import check_rate
+from rtkit.component.contexts.context import ExecutionContext, always
+from rtkit.component.contexts.input_wait import allow_input, leave_input
+from rtkit.component.contexts.participant import DrivenComponent
+from rtkit.component.contexts.period import check_rate
+from rtkit.component.ports.in_port import InPort
 from rtkit.container.composites import is_composite
 from rtkit.container.context_thread import check
 from rtkit.container.operations import LATER, ContainerServices, Operations, answer_code, in_time

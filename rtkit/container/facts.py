@@ -6,8 +6,8 @@ import time
 from collections.abc import Sequence
 
 from rtkit.component.base import Component
+from rtkit.component.contexts.input_wait import wait_of
 from rtkit.component.describe import describe
-from rtkit.component.input_wait import wait_of
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.rtc.enums import merged_state
 from rtkit.rtc.profiles import ExecutionContextProfile

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from rtkit.component.base import Component
-from rtkit.component.context import ExecutionContext
-from rtkit.component.in_port import InPort
-from rtkit.component.out_port import OutPort
+from rtkit.component.contexts.context import ExecutionContext
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.out_port import OutPort
 from rtkit.container.pacer import Work
 from rtkit.deployment.metrics import ComponentMetrics, ContextMetrics
 from rtkit.rtc.serde import encode

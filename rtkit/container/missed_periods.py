@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtkit.component.context import ExecutionContext
+from rtkit.component.contexts.context import ExecutionContext
 from rtkit.logs.late import late
 
 _log = late(__name__)

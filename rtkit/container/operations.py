@@ -8,7 +8,7 @@ from time import monotonic
 from typing import Any, Protocol
 
 from rtkit.component.base import Component
-from rtkit.component.participant import DrivenComponent
+from rtkit.component.contexts.participant import DrivenComponent
 from rtkit.deployment.message import Message
 from rtkit.errors import Refused, RtkitError
 from rtkit.rtc.enums import ReturnCode

@@ -11,9 +11,9 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
-from rtkit.component.context import ExecutionContext
-from rtkit.component.period import Period
-from rtkit.component.waiting import DrivenThread, grant_by
+from rtkit.component.contexts.context import ExecutionContext
+from rtkit.component.contexts.period import Period
+from rtkit.component.contexts.waiting import DrivenThread, grant_by
 from rtkit.container.bell import Bell
 from rtkit.container.context_thread import ContextThread
 from rtkit.container.missed_periods import MissedPeriods

@@ -9,8 +9,8 @@ from time import monotonic
 from typing import Any
 
 from rtkit.component.base import Component
-from rtkit.component.in_port import InPort
-from rtkit.component.out_port import OutPort
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.out_port import OutPort
 from rtkit.container.operations import LATER, Operations
 from rtkit.deployment.message import Message
 from rtkit.deployment.port_samples import MOST_NUMBERS, MOST_TEXT, SAMPLES, PortName
@@ -58,8 +58,8 @@ def _sample(port: InPort[Any] | OutPort[Any]) -> dict[str, Any]:
 
 
 def _shown(value: Any) -> dict[str, Any]:
-    from rtkit.component.fields import numbers
-    from rtkit.component.value_text import text_of
+    from rtkit.component.values.fields import numbers
+    from rtkit.component.values.value_text import text_of
 
     text = text_of(value)
     few = islice(numbers(value), MOST_NUMBERS)

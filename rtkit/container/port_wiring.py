@@ -12,11 +12,11 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary, ref
 
-from rtkit.component.buffer import AnyRing, Sink, Source, make_ring, select
-from rtkit.component.carried import passage
-from rtkit.component.codec import codec_for, encoder_for, splitter_for
-from rtkit.component.in_port import InPort
-from rtkit.component.options import (
+from rtkit.component.contexts.period import Period
+from rtkit.component.contexts.waiting import waiting
+from rtkit.component.ports.buffer import AnyRing, Sink, Source, make_ring, select
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.options import (
     NUMBERED,
     ConnectorOptions,
     FullPolicy,
@@ -24,9 +24,9 @@ from rtkit.component.options import (
     PushPolicy,
     parse_options,
 )
-from rtkit.component.out_port import OutPort
-from rtkit.component.period import Period
-from rtkit.component.waiting import waiting
+from rtkit.component.ports.out_port import OutPort
+from rtkit.component.values.carried import passage
+from rtkit.component.values.codec import codec_for, encoder_for, splitter_for
 from rtkit.errors import Malformed
 from rtkit.link import zenoh_keys
 from rtkit.link.ends import (

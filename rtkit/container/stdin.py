@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterable
 from threading import Lock
 from typing import TYPE_CHECKING, Any, TextIO, cast
 
+from rtkit.component.contexts.input_wait import allow_input, leave_input
 from rtkit.component.current import current
-from rtkit.component.input_wait import allow_input, leave_input
 from rtkit.container.operations import ContainerServices
 from rtkit.deployment.message import Message
 

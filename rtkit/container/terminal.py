@@ -17,7 +17,7 @@ from contextlib import suppress
 from threading import Lock
 from typing import TYPE_CHECKING
 
-from rtkit.component.input_wait import (
+from rtkit.component.contexts.input_wait import (
     InputEnded,
     allow_input,
     begin_wait,
@@ -27,7 +27,7 @@ from rtkit.component.input_wait import (
     leave_input,
     wait_of,
 )
-from rtkit.component.waiting import waiting_for_people
+from rtkit.component.contexts.waiting import waiting_for_people
 from rtkit.link.threads import start_thread
 from rtkit.link.wakeup import Wakeup
 

@@ -181,7 +181,7 @@ def constraint_differences(component: WantedComponent, facts: ComponentFacts) ->
     """Yield constraints of parameters that a component declares otherwise than its profile."""
     if not any(set_id.startswith(HIDDEN) for set_id in component.sets):
         return
-    from rtkit.component.constraint_check import CONSTRAINT_SET
+    from rtkit.component.configuration.constraint_check import CONSTRAINT_SET
 
     declared = facts.sets.get(CONSTRAINT_SET, {})
     for name, wanted in component.sets.get(CONSTRAINT_SET, {}).items():

@@ -121,7 +121,7 @@ def _adds(set_id: str) -> str:
 
 
 def _parameter(text: str, facts: ComponentFacts, wanted: SetParameters, path: str) -> PlannedAction:
-    from rtkit.component.constraint_check import no_parameter, parameter_names
+    from rtkit.component.configuration.constraint_check import no_parameter, parameter_names
 
     ((name, value),) = wanted.values.items()
     present = facts.sets.get(wanted.set_id)

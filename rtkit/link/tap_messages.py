@@ -61,7 +61,7 @@ def call_to_bytes(end: Sequence[str], timeout_s: float, call: bytes) -> bytes:
     Args:
         end: Instance, port and path of the provider.
         timeout_s: How long to wait for the reply [s].
-        call: As `rtkit.component.invocation` encodes it, without a deadline.
+        call: As `rtkit.component.services.invocation` encodes it, without a deadline.
     """
     return json.dumps([list(end), timeout_s]).encode() + b"\n" + call
 

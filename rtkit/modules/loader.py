@@ -13,8 +13,8 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from rtkit.component.base import Component
-from rtkit.component.callbacks import describe_failure, near_misses
 from rtkit.component.composite import TYPES as COMPOSITES
+from rtkit.component.contexts.callbacks import describe_failure, near_misses
 from rtkit.component.describe import CODE
 from rtkit.component.factory import Factories
 from rtkit.errors import NotFound, Refused

@@ -8,12 +8,16 @@ from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
-from rtkit.component.defined_interface import DefinedInterface, DefinedOperation, interface_of
-from rtkit.component.invocation import Remote
-from rtkit.component.literal import Literal
-from rtkit.component.service import TIMEOUT, ServicePort
-from rtkit.component.type_layout import BasicLayout, EnumLayout, Layout
+from rtkit.component.services.defined_interface import (
+    DefinedInterface,
+    DefinedOperation,
+    interface_of,
+)
+from rtkit.component.services.invocation import Remote
+from rtkit.component.services.service import TIMEOUT, ServicePort
 from rtkit.component.types import Time
+from rtkit.component.values.literal import Literal
+from rtkit.component.values.type_layout import BasicLayout, EnumLayout, Layout
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.fast_dataclass import MISSING, make_dataclass
 from rtkit.link.tap_messages import call_to_bytes

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from queue import Empty, Queue, SimpleQueue
 from typing import TYPE_CHECKING, Any, cast
 
-from rtkit.component.any_port import Port
-from rtkit.component.codec import codec_for
+from rtkit.component.ports.any_port import Port
+from rtkit.component.values.codec import codec_for
 from rtkit.errors import Refused, RtkitError
 from rtkit.link.tap_messages import ENDED, Value, values_from_bytes, values_to_bytes
 from rtkit.link.threads import start_thread

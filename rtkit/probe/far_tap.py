@@ -20,7 +20,7 @@ from collections.abc import Callable, Sequence
 from threading import Lock
 from typing import Any
 
-from rtkit.component.codec import codec_for
+from rtkit.component.values.codec import codec_for
 from rtkit.deployment.facts import Snapshot
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.link.tap_messages import (

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from rtkit.component.typenames import type_by_name
+from rtkit.component.values.typenames import type_by_name
 from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.rtc.data_types import scoped_name
 
@@ -52,7 +52,7 @@ def data_type(name: str, typed: str, definition: str = "") -> type:
         return bytes
     found = type_by_name(name)
     if found is None and definition:
-        from rtkit.component.defined import class_of
+        from rtkit.component.values.defined import class_of
 
         try:
             return class_of(name, definition)

@@ -13,11 +13,11 @@ from typing import Any
 from uuid import uuid4
 
 from rtkit.closing import Closing
-from rtkit.component.any_port import Port
 from rtkit.component.base import Component
-from rtkit.component.options import NUMBERED, PortStatus
-from rtkit.component.out_port import OutPort
-from rtkit.component.owned_contexts import PERIODIC
+from rtkit.component.contexts.owned_contexts import PERIODIC
+from rtkit.component.ports.any_port import Port
+from rtkit.component.ports.options import NUMBERED, PortStatus
+from rtkit.component.ports.out_port import OutPort
 from rtkit.container.attached_process import ENTERING, AttachedProcess, attached_to, leave_if_empty
 from rtkit.deployment.actions import Action, ChangeState, Connect
 from rtkit.errors import Refused, RtkitError, from_kind

@@ -7,8 +7,8 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from rtkit.component.type_layout import StructLayout, layout_of
 from rtkit.component.types import Time
+from rtkit.component.values.type_layout import StructLayout, layout_of
 from rtkit.probe.tap import Arrival
 from rtkit.recording.time_stamps import stamp_of
 

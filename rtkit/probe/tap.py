@@ -6,9 +6,9 @@ import time
 from collections.abc import Mapping
 from typing import NamedTuple, cast
 
-from rtkit.component.buffer import Sink
-from rtkit.component.in_port import InPort
-from rtkit.component.options import PortStatus
+from rtkit.component.ports.buffer import Sink
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.options import PortStatus
 from rtkit.probe.backlog import Backlog
 
 

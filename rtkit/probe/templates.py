@@ -6,8 +6,8 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from rtkit.component.literal import Literal
 from rtkit.component.types import Time
+from rtkit.component.values.literal import Literal
 from rtkit.errors import Malformed
 
 _TIME = "{time}"

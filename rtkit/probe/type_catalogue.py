@@ -11,11 +11,11 @@ from dataclasses import is_dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rtkit.component.codec import codec_for
-from rtkit.component.defined import UNFIT, class_in
-from rtkit.component.definition import docs_of, idl_of, word_of
 from rtkit.component.standard import SCOPES, find, names_of
-from rtkit.component.type_layout import (
+from rtkit.component.values.codec import codec_for
+from rtkit.component.values.defined import UNFIT, class_in
+from rtkit.component.values.definition import docs_of, idl_of, word_of
+from rtkit.component.values.type_layout import (
     ArrayLayout,
     BasicLayout,
     EnumLayout,
@@ -26,8 +26,8 @@ from rtkit.component.type_layout import (
     layout_of_hint,
     zero,
 )
-from rtkit.component.typenames import is_standard, type_by_name, type_name
-from rtkit.component.value_text import plain
+from rtkit.component.values.typenames import is_standard, type_by_name, type_name
+from rtkit.component.values.value_text import plain
 from rtkit.errors import Malformed, NotFound, RtkitError
 from rtkit.idl.model import EnumDeclaration, InterfaceDeclaration, StructDeclaration
 from rtkit.idl.read import read_idl

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from types import TracebackType
 from typing import IO, Any, Self
 
-from rtkit.component.definition import ENCODING, has_octets, idl_of, name_of
+from rtkit.component.values.definition import ENCODING, has_octets, idl_of, name_of
 from rtkit.errors import Malformed
 from rtkit.recording.entries import NANOSECONDS, Info, RecordedStream, RecordedValue, Span
 from rtkit.rtc.data_types import scoped_name

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
 from rtkit.component.base import ACTIVE_SET
-from rtkit.component.options import remarks
+from rtkit.component.ports.options import remarks
 from rtkit.deployment import extension
 from rtkit.rtc.nearest import CLOSE, did_you_mean
 from rtkit.settings import properties

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
-from rtkit.component.constraint_check import Declared, declared_type
+from rtkit.component.configuration.constraint_check import Declared, declared_type
 from rtkit.fast_dataclass import dataclass
 from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.ports import declared_interfaces

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from itertools import product
 
-from rtkit.component.options import parse_options, remarks
-from rtkit.component.port_matching import ANY_DATA_TYPE
+from rtkit.component.ports.options import parse_options, remarks
+from rtkit.component.ports.port_matching import ANY_DATA_TYPE
 from rtkit.errors import Malformed
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import DataPortConnector

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from rtkit.component.constraint_check import Declared, hinted, misfit_of
+from rtkit.component.configuration.constraint_check import Declared, hinted, misfit_of
 from rtkit.deployment.described import sets_of
 from rtkit.deployment.extension import CREATE
 from rtkit.deployment.system import HIDDEN

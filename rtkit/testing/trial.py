@@ -12,18 +12,18 @@ from dataclasses import is_dataclass
 from typing import Any, Generic, TypeVar
 
 from rtkit.closing import Closing
-from rtkit.component.any_port import Port
 from rtkit.component.base import Component
-from rtkit.component.carried import carried
+from rtkit.component.configuration.kinds import kind_of
 from rtkit.component.fsm import EVENT_NAME, EventPort
-from rtkit.component.in_port import InPort
-from rtkit.component.invocation import Direct, ProvidedInterface
-from rtkit.component.kinds import kind_of
-from rtkit.component.literal import zero_value
-from rtkit.component.out_port import OutPort
-from rtkit.component.service import ServicePort
-from rtkit.component.typenames import type_name
+from rtkit.component.ports.any_port import Port
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.out_port import OutPort
+from rtkit.component.services.invocation import Direct, ProvidedInterface
+from rtkit.component.services.service import ServicePort
 from rtkit.component.types import Time
+from rtkit.component.values.carried import carried
+from rtkit.component.values.literal import zero_value
+from rtkit.component.values.typenames import type_name
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
 from rtkit.rtc.nearest import did_you_mean

@@ -200,7 +200,7 @@ def check_pair(one: ResolvedPort, other: ResolvedPort, properties: Mapping[str, 
     Raises:
         Refused: States why.
     """
-    from rtkit.component.port_matching import incompatible, refusal
+    from rtkit.component.ports.port_matching import incompatible, refusal
     from rtkit.rtc.port_types import WRONG_TYPE
 
     why = refusal((one.port, other.port), properties)

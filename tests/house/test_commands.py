@@ -347,7 +347,7 @@ FOR_WHO_MAKES_COMPONENTS = (
 VISIT = f"""
 import queue, sys, threading
 import rtkit.cli.data.rtprint, rtkit.cli.data.printing
-import rtkit.component.fields, rtkit.component.value_text
+import rtkit.component.values.fields, rtkit.component.values.value_text
 import rtkit.container.attached_process
 from rtkit.component import TimedLong
 from rtkit.link.local.streams import LocalStreams

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 from waiting import until
 
-from rtkit.component.input_wait import InputEnded, allow_input, leave_input, wait_of
+from rtkit.component.contexts.input_wait import InputEnded, allow_input, leave_input, wait_of
 from rtkit.container.terminal import ComponentTerminal
 
 

@@ -6,10 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtkit.component import TimedLong
-from rtkit.component.buffer import make_ring, select
-from rtkit.component.in_port import InPort
-from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus, PushPolicy
-from rtkit.component.out_port import OutPort
+from rtkit.component.ports.buffer import make_ring, select
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.options import (
+    BufferOptions,
+    EmptyPolicy,
+    FullPolicy,
+    PortStatus,
+    PushPolicy,
+)
+from rtkit.component.ports.out_port import OutPort
 from rtkit.rtc.profiles import ConnectorProfile
 
 STEPS = st.lists(st.sampled_from(["write", "write", "read", "all"]), max_size=60)

@@ -22,7 +22,7 @@ from rtkit.component import (
     geometry,
     timed,
 )
-from rtkit.component.codec import codec_for
+from rtkit.component.values.codec import codec_for
 from rtkit.errors import Malformed
 
 T = pycdr2.types

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from rtkit.component.config import Configuration
-from rtkit.component.kinds import kind_of
+from rtkit.component.configuration.config import Configuration
+from rtkit.component.configuration.kinds import kind_of
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.data_types import is_same_type, scoped_name
 

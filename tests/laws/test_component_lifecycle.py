@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from rtkit.component import Component, Parameter
-from rtkit.component.lifecycle import TABLE, LifeCycleEvent
-from rtkit.component.period import NANOSECONDS, Period
+from rtkit.component.contexts.lifecycle import TABLE, LifeCycleEvent
+from rtkit.component.contexts.period import NANOSECONDS, Period
 from rtkit.rtc.enums import LifeCycleState, ReturnCode, Transition
 
 FAILING = ["", "on_activated", "on_execute", "on_state_update", "on_deactivated", "on_reset"]

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 from rtkit.builder.component_files import build_types
 from rtkit.builder.packaging import TYPE_RULES, linter
 from rtkit.builder.types_code import TypesCode
-from rtkit.component.codec import codec_for
-from rtkit.component.defined import class_of
-from rtkit.component.definition import idl_of, name_of
-from rtkit.component.interface import Interface as Read
+from rtkit.component.services.interface import Interface as Read
+from rtkit.component.values.codec import codec_for
+from rtkit.component.values.defined import class_of
+from rtkit.component.values.definition import idl_of, name_of
 from rtkit.idl.model import (
     ArrayOf,
     Basic,

@@ -11,11 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtkit.component.codec import codec_for, encoder_for
-from rtkit.component.defined import class_of
-from rtkit.component.definition import definition_of, idl_of, name_of
-from rtkit.component.in_port import InPort
-from rtkit.component.out_port import OutPort
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.out_port import OutPort
 from rtkit.component.types import (
     Char,
     Double,
@@ -28,7 +25,10 @@ from rtkit.component.types import (
     WChar,
     WString,
 )
-from rtkit.component.value_text import plain
+from rtkit.component.values.codec import codec_for, encoder_for
+from rtkit.component.values.defined import class_of
+from rtkit.component.values.definition import definition_of, idl_of, name_of
+from rtkit.component.values.value_text import plain
 from rtkit.container.port_wiring import PortWiring
 from rtkit.errors import Malformed
 from rtkit.link.local.streams import LocalStreams

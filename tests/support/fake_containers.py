@@ -7,9 +7,9 @@ from typing import Any
 
 import fake_composites as composites
 
-from rtkit.component import lifecycle
-from rtkit.component.constraint_check import parameter_names
-from rtkit.component.period import check_rate
+from rtkit.component.configuration.constraint_check import parameter_names
+from rtkit.component.contexts import lifecycle
+from rtkit.component.contexts.period import check_rate
 from rtkit.container.user_requests import UserRequests
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import NotFound, Refused, RtkitError

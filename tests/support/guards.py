@@ -35,7 +35,7 @@ GUARDS = (
     ),
     Guard(
         "system/test_faults.py::test_a_component_that_raises_does_not_end_its_slave",
-        "rtkit/component/callbacks.py",
+        "rtkit/component/contexts/callbacks.py",
         "    except BaseException as error:\n        return Failure(describe",
         "    except Exception as error:\n        return Failure(describe",
     ),
@@ -102,7 +102,7 @@ GUARDS = (
     ),
     Guard(
         "system/test_faults.py::test_memory_that_is_used_up_is_an_error_of_who_wants_more",
-        "rtkit/component/callbacks.py",
+        "rtkit/component/contexts/callbacks.py",
         "    except BaseException as error:\n        return Failure(describe",
         "    except ValueError as error:\n        return Failure(describe",
     ),

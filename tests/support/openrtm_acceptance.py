@@ -22,7 +22,7 @@ from rtkit.api.connect import connect
 from rtkit.api.system_profiles import SystemProfile
 from rtkit.api.tree import Tree
 from rtkit.component.standin import TRANSMIT
-from rtkit.component.type_layout import zero
+from rtkit.component.values.type_layout import zero
 from rtkit.deployment.actions import ActivateSet, Create, SetParameters
 from rtkit.errors import RtkitError
 from rtkit.openrtm.migrate.files import migrate, plan_migration

@@ -20,8 +20,8 @@ from typing import Any
 from unittest.mock import patch
 
 from rtkit.component import Component, InPort, OutPort, Time
-from rtkit.component.callbacks import attempt
-from rtkit.component.type_layout import (
+from rtkit.component.contexts.callbacks import attempt
+from rtkit.component.values.type_layout import (
     ArrayLayout,
     EnumLayout,
     ItemsLayout,

@@ -14,7 +14,7 @@ from waiting import until
 import rtkit
 from rtkit.api.ports import PortReader
 from rtkit.component import Time, TimedLong
-from rtkit.component.codec import codec_for
+from rtkit.component.values.codec import codec_for
 from rtkit.link.tap_messages import call_to_bytes, values_from_bytes, values_to_bytes
 
 OPEN, TAKE, WRITE, LOST = (f"%40x%2Ftap%2F{word}" for word in ("open", "take", "write", "lost"))

@@ -21,7 +21,7 @@ from serialkit import Cable
 
 import rtkit
 import rtkit.component
-from rtkit.component.codec import codec_for
+from rtkit.component.values.codec import codec_for
 from rtkit.container.control_channel import ControlChannel
 from rtkit.link import secret
 from rtkit.link.zenoh import open_client, unix_endpoint

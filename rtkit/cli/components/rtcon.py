@@ -54,8 +54,8 @@ def main(
     first, and the id given with -i gets the suffix -2 for the second of them, and so on. Either
     all are made or none. Properties, and values of them, that nothing here knows are warned of.
     """
-    from rtkit.component.options import remarks
-    from rtkit.component.port_matching import ANY_DATA_TYPE
+    from rtkit.component.ports.options import remarks
+    from rtkit.component.ports.port_matching import ANY_DATA_TYPE
     from rtkit.rtc.far_ends import host_of, named_by, peer_of
     from rtkit.tree.expecting import expected
     from rtkit.tree.wiring import find_ends_at, in_order, make_connector

@@ -67,7 +67,7 @@ def _lines(
 
 def _decoder(app: App, channel: RecordedStream) -> Callable[[bytes], Any]:
     """Return what decodes values of a stream; those that are none of its type stay bytes."""
-    from rtkit.component.codec import codec_for
+    from rtkit.component.values.codec import codec_for
     from rtkit.probe.known_types import type_or_bytes
 
     name = f"stream {channel.name}"
@@ -89,7 +89,7 @@ def _decoder(app: App, channel: RecordedStream) -> Callable[[bytes], Any]:
 
 
 def _as_text(_channels: dict[str, RecordedStream]) -> Line:
-    from rtkit.component.value_text import plain
+    from rtkit.component.values.value_text import plain
     from rtkit.recording.text_log import line_of
 
     def line(entry: RecordedValue, value: Any) -> Iterable[str]:
@@ -99,7 +99,7 @@ def _as_text(_channels: dict[str, RecordedStream]) -> Line:
 
 
 def _as_json(channels: dict[str, RecordedStream]) -> Line:
-    from rtkit.component.value_text import plain
+    from rtkit.component.values.value_text import plain
 
     def line(entry: RecordedValue, value: Any) -> Iterable[str]:
         channel = channels[entry.channel]
@@ -117,7 +117,7 @@ def _as_json(channels: dict[str, RecordedStream]) -> Line:
 
 
 def _as_csv(_channels: dict[str, RecordedStream]) -> Line:
-    from rtkit.component.fields import scalars
+    from rtkit.component.values.fields import scalars
 
     def line(entry: RecordedValue, value: Any) -> Iterator[str]:
         received = json_records.time_text(entry.arrived_ns)

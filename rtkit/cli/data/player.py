@@ -205,7 +205,7 @@ def _matched(
     Raises:
         Refused: A port has another data type than its channel, or there is nothing to play.
     """
-    from rtkit.component.defined import is_same_definition
+    from rtkit.component.values.defined import is_same_definition
     from rtkit.rtc.data_types import is_same_type
 
     named = {channel.name: channel for channel in channels}
@@ -322,9 +322,9 @@ class _TextSource:
         Raises:
             Malformed: A value is none of the port's type.
         """
-        from rtkit.component.codec import codec_for
-        from rtkit.component.literal import Literal
         from rtkit.component.types import Time
+        from rtkit.component.values.codec import codec_for
+        from rtkit.component.values.literal import Literal
         from rtkit.probe.known_types import data_type
         from rtkit.recording.entries import RecordedValue
 

@@ -103,7 +103,7 @@ class Plotter(Sink):
     def __init__(
         self, streams: Sequence[Stream], types: Mapping[str, type], options: PrintOptions
     ) -> None:
-        from rtkit.component.codec import codec_for
+        from rtkit.component.values.codec import codec_for
         from rtkit.probe.plot import Chart
 
         self._chart = Chart(_SPAN_S)
@@ -116,7 +116,7 @@ class Plotter(Sink):
 
     def take(self, piece: Sequence[Arrival]) -> None:
         """See `Sink.take`."""
-        from rtkit.component.fields import numbers
+        from rtkit.component.values.fields import numbers
 
         super().take(piece)
         for arrival in piece:
@@ -154,15 +154,15 @@ def _painted(text: str, curve: int) -> str:
 
 
 def _readers(fields: tuple[str, ...]) -> dict[str, Callable[[Any], Any]]:
-    from rtkit.component.value_text import field_reader
+    from rtkit.component.values.value_text import field_reader
 
     return {text: field_reader(text) for text in fields} or {"": lambda value: value}
 
 
 def _numbers(cls: type, fields: tuple[str, ...]) -> Mapping[str, Callable[[bytes], float]]:
     """Return a function that extracts the numbers in these fields from a value in CDR."""
-    from rtkit.component.codec import codec_for
-    from rtkit.component.value_text import field_reader
+    from rtkit.component.values.codec import codec_for
+    from rtkit.component.values.value_text import field_reader
     from rtkit.errors import Malformed
 
     decode = codec_for(cls).decode
@@ -192,7 +192,7 @@ def lines_of(
     streams: Sequence[Stream], types: Mapping[str, type], options: PrintOptions
 ) -> dict[str, Line]:
     """Return the function that formats an arrival as a line, by stream."""
-    from rtkit.component.codec import codec_for
+    from rtkit.component.values.codec import codec_for
 
     made: dict[str, Line] = {}
     labels = labels_of(streams)
@@ -213,7 +213,7 @@ def _text_line(decode: Callable[[bytes], Any], show: Callable[[Any], str], label
 
 def json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str, ...]) -> Line:
     """Return a function that formats an arrival as a record."""
-    from rtkit.component.value_text import field_reader, plain
+    from rtkit.component.values.value_text import field_reader, plain
 
     readers = {text: field_reader(text) for text in fields}
     ports, clock = [str(end.path) for end in stream.ends], stream.clock._asdict()
@@ -235,7 +235,7 @@ def json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str,
 
 
 def _shower(stream: Stream, options: PrintOptions) -> Callable[[Any], str]:
-    from rtkit.component.value_text import text_of
+    from rtkit.component.values.value_text import text_of
     from rtkit.probe.formatters import formatter
 
     if stream.formatter:

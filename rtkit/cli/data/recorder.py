@@ -240,12 +240,12 @@ class _TextSink:
 
     def add_channel(self, channel: RecordedStream, cls: type) -> None:
         """Declare a stream, before its first value."""
-        from rtkit.component.codec import codec_for
+        from rtkit.component.values.codec import codec_for
 
         self._decode[channel.name] = codec_for(cls).decode
 
     def write(self, entry: RecordedValue) -> None:
-        from rtkit.component.value_text import plain
+        from rtkit.component.values.value_text import plain
         from rtkit.recording.text_log import line_of
 
         value = plain(self._decode[entry.channel](entry.payload))

@@ -82,8 +82,8 @@ def _list(operations: list[ProvidedOperation], is_json: bool) -> int:
 
 
 def _call(app: App, called: ProvidedOperation, values: tuple[Any, ...], is_json: bool) -> int:
-    from rtkit.component.defined_interface import RaisedByProvider
-    from rtkit.component.value_text import plain
+    from rtkit.component.services.defined_interface import RaisedByProvider
+    from rtkit.component.values.value_text import plain
 
     raised: RaisedByProvider | None = None
     results: Mapping[str, Any] = {}
@@ -114,7 +114,7 @@ def _call(app: App, called: ProvidedOperation, values: tuple[Any, ...], is_json:
 
 
 def _text(name: str, value: Any) -> str:
-    from rtkit.component.value_text import text_of
+    from rtkit.component.values.value_text import text_of
 
     text = value if isinstance(value, str) else text_of(value, is_full=True)
     return terminal.printable(f"{name}: {text}" if name else text)

@@ -84,7 +84,7 @@ def main(
     they come, else at the end.
     """
     from rtkit.cli.data.printing import PrintOptions
-    from rtkit.component.fields import check_field
+    from rtkit.component.values.fields import check_field
     from rtkit.probe.known_types import import_modules
     from rtkit.rtc.enums import PortType
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from rtkit.component.base import Component
-from rtkit.component.callbacks import describe_failure
+from rtkit.component.contexts.callbacks import describe_failure
 from rtkit.component.factory import Factories
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.modules.loader import import_source, registered_by

@@ -13,7 +13,7 @@ from rtkit.rtc.names import split_manager
 from rtkit.rtc.profiles import PortProfile
 
 if TYPE_CHECKING:
-    from rtkit.component.constraint_check import Declared
+    from rtkit.component.configuration.constraint_check import Declared
 
 Making = tuple[str, str]
 """Module, ``PATH:INIT`` or nothing, and create string."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from rtkit.component.port_matching import refusal
+from rtkit.component.ports.port_matching import refusal
 from rtkit.deployment.creation import is_loaded
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.live_index import LiveIndex, absence, mismatch, states_of

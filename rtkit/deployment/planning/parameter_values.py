@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from rtkit.component.constraint_check import (
+from rtkit.component.configuration.constraint_check import (
     Declared,
     misfit,
     misfit_of,

@@ -16,8 +16,8 @@ from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-from rtkit.component.options import parse_options
-from rtkit.component.port_matching import refusal
+from rtkit.component.ports.options import parse_options
+from rtkit.component.ports.port_matching import refusal
 from rtkit.deployment.actions import Result
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable

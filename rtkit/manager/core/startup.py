@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from rtkit.component.options import remarks
+from rtkit.component.ports.options import remarks
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.batch import Batch, results_from_text

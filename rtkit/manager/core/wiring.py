@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rtkit.component.options import parse_options
-from rtkit.component.port_matching import refusal
+from rtkit.component.ports.options import parse_options
+from rtkit.component.ports.port_matching import refusal
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.shown_ports import OwnEnds

@@ -41,7 +41,7 @@ _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
 AHEAD = (
     "rtkit.component.collisions", "rtkit.component.composite", "rtkit.component.fsm",
     "rtkit.component.timed", "rtkit.deployment.listing", "rtkit.link.running",
-    "rtkit.container.metrics", "rtkit.component.fields", "rtkit.component.value_text",
+    "rtkit.container.metrics", "rtkit.component.values.fields", "rtkit.component.values.value_text",
     "rtkit.settings.values", "rtkit.container.terminals", "rtkit.link.requests.manager_link",
     "encodings.ascii",
 )  # fmt: skip

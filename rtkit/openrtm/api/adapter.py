@@ -12,9 +12,9 @@ from typing import Any, ClassVar
 from weakref import WeakSet
 
 from rtkit.component.base import ACTIVE_SET, Component
-from rtkit.component.config import DEFAULT, Configuration
-from rtkit.component.context import ExecutionContext
-from rtkit.component.parameter import Parameter
+from rtkit.component.configuration.config import DEFAULT, Configuration
+from rtkit.component.configuration.parameter import Parameter
+from rtkit.component.contexts.context import ExecutionContext
 from rtkit.errors import NotFound
 from rtkit.openrtm.api.identity import type_of
 from rtkit.openrtm.api.parameters import BoundConfiguration

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any
 
-from rtkit.component.callbacks import describe_failure
+from rtkit.component.contexts.callbacks import describe_failure
 from rtkit.openrtm.api.connector_listeners import name_of
 from rtkit.openrtm.corba.enumerations import ITEMS, OK
 

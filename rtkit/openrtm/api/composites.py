@@ -8,7 +8,7 @@ from typing import Any
 from rtkit.component.base import Component
 from rtkit.component.composite import Composite
 from rtkit.component.composite import PeriodicECSharedComposite as SharedContext
-from rtkit.component.config import DEFAULT
+from rtkit.component.configuration.config import DEFAULT
 from rtkit.openrtm.api.adapter import HeldComponent
 from rtkit.openrtm.api.component_listeners import ConfigurationSetListener
 from rtkit.openrtm.api.rtobject import DataFlowComponentBase, default_callback

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from threading import RLock
 from typing import Any
 
-from rtkit.component.codec import codec_for
-from rtkit.component.connector_events import ConnectorEvent
+from rtkit.component.ports.connector_events import ConnectorEvent
+from rtkit.component.values.codec import codec_for
 from rtkit.openrtm.api.properties import Properties
 from rtkit.openrtm.corba.twins import freezer_of, frozen_class_of, thawer_of
 from rtkit.rtc.profiles import ConnectorProfile

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from copy import deepcopy
 from typing import Any, NamedTuple
 
-from rtkit.component.config import DEFAULT, Configuration
-from rtkit.component.kinds import ParameterKind
-from rtkit.component.parameter import Parameter
+from rtkit.component.configuration.config import DEFAULT, Configuration
+from rtkit.component.configuration.kinds import ParameterKind
+from rtkit.component.configuration.parameter import Parameter
 from rtkit.errors import Malformed, RtkitError
 from rtkit.openrtm.api.component_listeners import ListenedConfiguration
 from rtkit.openrtm.api.properties import Properties

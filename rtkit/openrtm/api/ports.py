@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
-from rtkit.component.in_port import InPort as FrozenInPort
-from rtkit.component.options import PortStatus
-from rtkit.component.out_port import OutPort as FrozenOutPort
+from rtkit.component.ports.in_port import InPort as FrozenInPort
+from rtkit.component.ports.options import PortStatus
+from rtkit.component.ports.out_port import OutPort as FrozenOutPort
 from rtkit.errors import RtkitError
 from rtkit.openrtm.absent import refuse
 from rtkit.openrtm.api.connector_listeners import ListenedPort

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rtkit.component.service import ServicePort
+from rtkit.component.services.service import ServicePort
 from rtkit.errors import Malformed, Refused
 from rtkit.logs.late import late
 from rtkit.openrtm.absent import refuse

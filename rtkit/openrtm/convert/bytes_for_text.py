@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ast
 
-from rtkit.component.type_layout import BasicLayout, ItemsLayout, Layout, layout_of
+from rtkit.component.values.type_layout import BasicLayout, ItemsLayout, Layout, layout_of
 from rtkit.openrtm.convert.component_model import OldComponent
 from rtkit.openrtm.convert.data_plans import DataPlan, part_of
 from rtkit.openrtm.convert.draft import ModuleDraft

@@ -6,7 +6,7 @@ import ast
 from dataclasses import dataclass, field
 from typing import NamedTuple, TypeGuard
 
-from rtkit.component.type_layout import Layout
+from rtkit.component.values.type_layout import Layout
 
 Path = tuple[str, ...]
 """Fields from a value down to a part of it: ``("data", "vx")``."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 from dataclasses import dataclass, field
 
-from rtkit.component.type_layout import Layout, StructLayout
+from rtkit.component.values.type_layout import Layout, StructLayout
 from rtkit.openrtm.convert.component_model import BoundData, OldComponent, PartUse, Path
 from rtkit.openrtm.convert.draft import ModuleDraft
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 
-from rtkit.component.type_layout import StructLayout, layout_of
+from rtkit.component.values.type_layout import StructLayout, layout_of
 from rtkit.openrtm.convert.component_model import OldComponent, is_self
 from rtkit.openrtm.convert.data_plans import DataPlan
 from rtkit.openrtm.convert.draft import API, ModuleDraft

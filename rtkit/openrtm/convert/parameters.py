@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rtkit.component.constraint_check import read_constraint
+from rtkit.component.configuration.constraint_check import read_constraint
 from rtkit.errors import Malformed
 from rtkit.openrtm.convert.component_model import OldComponent, OldParameter, is_self, text_of
 from rtkit.openrtm.convert.draft import API, ModuleDraft

@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterator, Mapping
 from typing import TypeGuard
 
-from rtkit.component.type_layout import Layout, StructLayout, layout_of
+from rtkit.component.values.type_layout import Layout, StructLayout, layout_of
 from rtkit.openrtm.convert.component_model import (
     BoundData,
     OldComponent,

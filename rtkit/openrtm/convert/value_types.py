@@ -6,7 +6,13 @@ import ast
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from rtkit.component.type_layout import ArrayLayout, ItemsLayout, Layout, StructLayout, layout_of
+from rtkit.component.values.type_layout import (
+    ArrayLayout,
+    ItemsLayout,
+    Layout,
+    StructLayout,
+    layout_of,
+)
 from rtkit.openrtm.convert.component_model import OldComponent, OldPort, is_self
 from rtkit.openrtm.convert.draft import ModuleDraft
 from rtkit.openrtm.convert.reading import data_type_of

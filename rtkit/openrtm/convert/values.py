@@ -5,8 +5,8 @@ from __future__ import annotations
 import ast
 from collections.abc import Mapping
 
-from rtkit.component.type_layout import BasicLayout, EnumLayout, Layout, StructLayout
 from rtkit.component.types import Time
+from rtkit.component.values.type_layout import BasicLayout, EnumLayout, Layout, StructLayout
 from rtkit.openrtm.convert.component_model import OldPort, Path, is_self
 from rtkit.openrtm.convert.data_plans import STAMP, DataPlan, part_of
 from rtkit.openrtm.convert.draft import API, ModuleDraft
@@ -26,7 +26,7 @@ def constructor(draft: ModuleDraft, call: ast.Call, *, keeps_lists: bool = True)
         return _built(draft, cls, [(f, "[]") for f in _lists(cls) if keeps_lists], cls)
     cls = draft.data_class(name)
     assert cls is not None
-    from rtkit.component.type_layout import layout_of
+    from rtkit.component.values.type_layout import layout_of
 
     if call.keywords or any(isinstance(each, ast.Starred) for each in call.args):
         if len(call.args) == 1 and not call.keywords:  # *arg of an early RTC Builder: all None
@@ -41,14 +41,14 @@ def constructor(draft: ModuleDraft, call: ast.Call, *, keeps_lists: bool = True)
 
 
 def _lists(cls: type) -> list[str]:
-    from rtkit.component.type_layout import ItemsLayout, layout_of
+    from rtkit.component.values.type_layout import ItemsLayout, layout_of
 
     return [name for name, layout in layout_of(cls).fields if isinstance(layout, ItemsLayout)]
 
 
 def _built(draft: ModuleDraft, cls: type, given: list[tuple[str, str]], _: type) -> str:
     """Return a call of a data type's class: by position as long as nothing is left out."""
-    from rtkit.component.type_layout import layout_of
+    from rtkit.component.values.type_layout import layout_of
 
     fields = [name for name, _layout in layout_of(cls).fields]
     is_whole = [name for name, _text in given] == fields[: len(given)]

@@ -11,9 +11,9 @@ from threading import RLock
 from typing import Any
 
 from rtkit.builder.standard_types import KNOWN
-from rtkit.component.defined import DefinedTypes
-from rtkit.component.type_layout import layout_of_hint
-from rtkit.component.typenames import is_standard, type_by_name
+from rtkit.component.values.defined import DefinedTypes
+from rtkit.component.values.type_layout import layout_of_hint
+from rtkit.component.values.typenames import is_standard, type_by_name
 from rtkit.errors import Malformed
 from rtkit.idl.model import (
     Constant,

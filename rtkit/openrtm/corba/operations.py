@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from typing import Any
 
-from rtkit.component.defined_interface import RaisedByProvider, method_of
-from rtkit.component.interface import Interface, InterfaceMethod
-from rtkit.component.service import ServicePort
-from rtkit.component.type_layout import Layout
+from rtkit.component.services.defined_interface import RaisedByProvider, method_of
+from rtkit.component.services.interface import Interface, InterfaceMethod
+from rtkit.component.services.service import ServicePort
+from rtkit.component.values.type_layout import Layout
 from rtkit.errors import Malformed, NotFound, RtkitError, Unreachable
 from rtkit.idl.model import InterfaceDeclaration, Operation, Path
 from rtkit.openrtm.corba.exceptions import SYSTEM_EXCEPTIONS, UserException
@@ -22,7 +22,7 @@ from rtkit.openrtm.corba.twins import UNFIT, freezer_of_layout, thawer_of_layout
 
 Convert = Callable[[Any], Any]
 _SYSTEM_EXCEPTION = re.compile(r" failed: ([A-Z_]+)\b")
-"""The class of an exception in the words by which `rtkit.component.invocation` refuses."""
+"""The class of an exception in the words by which `rtkit.component.services.invocation` refuses."""
 
 
 @cache

@@ -12,7 +12,7 @@ from rtkit.openrtm.corba.records import ExecutionContextProfile, name_values
 from rtkit.rtc.enums import LifeCycleState, ReturnCode, Transition
 
 if TYPE_CHECKING:
-    from rtkit.component.context import ExecutionContext as Context
+    from rtkit.component.contexts.context import ExecutionContext as Context
 
 
 class Reference:

@@ -6,8 +6,8 @@ from importlib import import_module
 from typing import Any
 
 from rtkit.component.standard import declared_in, find, names_of
-from rtkit.component.type_layout import layout_of_hint
-from rtkit.component.typenames import type_by_name
+from rtkit.component.values.type_layout import layout_of_hint
+from rtkit.component.values.typenames import type_by_name
 from rtkit.openrtm.corba.enumerations import ENUMERATIONS, ITEMS
 from rtkit.openrtm.corba.twins import AliasOf, descriptor_of, twin_of
 

@@ -12,8 +12,8 @@ from enum import Enum
 from functools import cache
 from typing import Any, ClassVar, NamedTuple
 
-from rtkit.component.codegen import Source, record_maker
-from rtkit.component.type_layout import (
+from rtkit.component.values.codegen import Source, record_maker
+from rtkit.component.values.type_layout import (
     ArrayLayout,
     BasicLayout,
     EnumLayout,
@@ -22,7 +22,7 @@ from rtkit.component.type_layout import (
     StructLayout,
     layout_of,
 )
-from rtkit.component.typenames import type_name
+from rtkit.component.values.typenames import type_name
 from rtkit.errors import Malformed
 from rtkit.openrtm.corba.enumerations import ItemsOfEnum, items_of
 

@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from rtkit.component.buffer import GuardedRing, Sink, Source
-from rtkit.component.connector_events import ConnectorEvent
-from rtkit.component.in_port import InPort
-from rtkit.component.options import BufferOptions, EmptyPolicy, PortStatus, is_channel
+from rtkit.component.ports.buffer import GuardedRing, Sink, Source
+from rtkit.component.ports.connector_events import ConnectorEvent
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.options import BufferOptions, EmptyPolicy, PortStatus, is_channel
 from rtkit.errors import Malformed
 from rtkit.link.threads import start_thread
 from rtkit.logs.late import late

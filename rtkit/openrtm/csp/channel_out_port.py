@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections import deque
 from typing import Any
 
-from rtkit.component.buffer import Source
-from rtkit.component.connector_events import ConnectorEvent
-from rtkit.component.options import PortStatus, is_channel
-from rtkit.component.out_port import OutPort
+from rtkit.component.ports.buffer import Source
+from rtkit.component.ports.connector_events import ConnectorEvent
+from rtkit.component.ports.options import PortStatus, is_channel
+from rtkit.component.ports.out_port import OutPort
 from rtkit.openrtm.csp.meeting import CHANNELS, Meeting
 from rtkit.rtc.profiles import ConnectorProfile
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from threading import TIMEOUT_MAX, Condition
 from typing import TypeVar
 
-from rtkit.component.input_wait import check_input, ended_with_input, is_leaving
-from rtkit.component.waiting import waiting
+from rtkit.component.contexts.input_wait import check_input, ended_with_input, is_leaving
+from rtkit.component.contexts.waiting import waiting
 from rtkit.errors import Malformed
 from rtkit.rtc.connector_properties import finite
 

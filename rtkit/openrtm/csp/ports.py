@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
-from rtkit.component.options import PortStatus
+from rtkit.component.ports.options import PortStatus
 from rtkit.openrtm.absent import refuse
 from rtkit.openrtm.api.ports import InPort, OutPort, PortBase
 from rtkit.openrtm.csp.channel_in_port import ChannelInPort, reading

@@ -7,8 +7,8 @@ import re
 from collections.abc import Iterator, Sequence
 
 from rtkit.builder.settings import default_value
-from rtkit.component.constraint_check import Declared, misfit_of, read_constraint
-from rtkit.component.kinds import kind_of
+from rtkit.component.configuration.constraint_check import Declared, misfit_of, read_constraint
+from rtkit.component.configuration.kinds import kind_of
 from rtkit.errors import Malformed, RtkitError
 from rtkit.rtc.names import near_port_name
 from rtkit.web.builder.component_form import ERROR, WARNING, FieldFinding, Form, rows_of

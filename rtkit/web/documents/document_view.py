@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from rtkit.api.live_records import Record, Records, SystemRecords, port_record
-from rtkit.component.port_matching import refusal
+from rtkit.component.ports.port_matching import refusal
 from rtkit.deployment.described import properties_of, type_of
 from rtkit.errors import NotFound
 from rtkit.profile import rts_model as rts

@@ -12,7 +12,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from rtkit.api.live_records import Record
-from rtkit.component.type_layout import (
+from rtkit.component.values.type_layout import (
     BasicLayout,
     EnumLayout,
     Layout,
@@ -20,7 +20,7 @@ from rtkit.component.type_layout import (
     layout_of,
     zero,
 )
-from rtkit.component.value_text import plain
+from rtkit.component.values.value_text import plain
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.probe.known_types import data_type, definitions
 from rtkit.probe.templates import Template

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from rtkit.api.live_records import KnownManager, Record
-from rtkit.component.port_matching import refusal
+from rtkit.component.ports.port_matching import refusal
 from rtkit.errors import NotFound
 from rtkit.profile_tools.system_summary import short_type
 from rtkit.rtc.profiles import PortProfile

@@ -10,7 +10,7 @@ import pytest
 from bug.assembly import WORDS, read_assembly, variants
 from bug.rules import constraint_of_variants
 
-from rtkit.component.constraint_check import Declared, misfit_of, read_constraint
+from rtkit.component.configuration.constraint_check import Declared, misfit_of, read_constraint
 from rtkit.errors import Refused
 from rtkit.profile.constraint_text import parse_constraint
 

@@ -15,7 +15,7 @@ from rtkit.builder.component_files import build
 from rtkit.builder.prepare import Sources
 from rtkit.builder.profile_of import profile_of
 from rtkit.component import Component, InPort, OutPort, Parameter, TimedLong
-from rtkit.component.kinds import kind_of
+from rtkit.component.configuration.kinds import kind_of
 from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.constraint_text import format_constraint
 from rtkit.profile.read import read_rtc

@@ -11,11 +11,11 @@ from rtkit.builder.component_files import build_types
 from rtkit.builder.obstacles import of_interface
 from rtkit.builder.standard_types import KNOWN
 from rtkit.builder.types_code import TypesCode
-from rtkit.component.codec import codec_for
-from rtkit.component.interface import Interface
-from rtkit.component.interface_definition import definition_of
-from rtkit.component.type_layout import layout_of
-from rtkit.component.typenames import type_by_name, type_name
+from rtkit.component.services.interface import Interface
+from rtkit.component.services.interface_definition import definition_of
+from rtkit.component.values.codec import codec_for
+from rtkit.component.values.type_layout import layout_of
+from rtkit.component.values.typenames import type_by_name, type_name
 from rtkit.idl.read import read_idl
 from rtkit.rtc.profiles import operations_in
 

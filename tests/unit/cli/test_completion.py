@@ -23,7 +23,7 @@ from rtkit.cli.completion.fitting import is_fit
 from rtkit.cli.completion.grammar import ask
 from rtkit.cli.completion.line import quoted, read
 from rtkit.cli.shared.commands import TABLE, load
-from rtkit.component.port_matching import refusal
+from rtkit.component.ports.port_matching import refusal
 from rtkit.rtc.serde import encode
 
 BREAKS = " \t\n\"'><=;|&(:"

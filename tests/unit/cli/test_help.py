@@ -11,7 +11,7 @@ from make_commands import pages
 from rtkit.cli.help.topics import DETAILS, STATUSES, TOPICS, text
 from rtkit.cli.shared.commands import COMMANDS
 from rtkit.cli.unified import run as rtkit
-from rtkit.component.options import parse_options
+from rtkit.component.ports.options import parse_options
 from rtkit.errors import BUG_EXIT, RtkitError
 
 

@@ -15,9 +15,9 @@ from fake_manager import FakeManager
 from rtkit.cli.shared import json_records
 from rtkit.cli.shared.commands import COMMANDS, load
 from rtkit.component import Time, TimedDouble, TimedLong
-from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Point2D, Pose2D, TimedPose2D
-from rtkit.component.literal import Literal
+from rtkit.component.values.codec import codec_for
+from rtkit.component.values.literal import Literal
 from rtkit.probe.tap import Arrival
 from rtkit.recording.entries import RecordedStream, RecordedValue
 from rtkit.recording.mcap_file import RecordingWriter

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 from fake_manager import FakeManager
 
-from rtkit.component.codec import codec_for
-from rtkit.component.defined import class_of
-from rtkit.component.literal import Literal
+from rtkit.component.values.codec import codec_for
+from rtkit.component.values.defined import class_of
+from rtkit.component.values.literal import Literal
 from rtkit.recording.entries import RecordedStream, RecordedValue
 from rtkit.recording.mcap_file import RecordingWriter
 from rtkit.rtc.enums import PortType

@@ -16,7 +16,7 @@ from rtkit.cli.data.arguments import specified
 from rtkit.cli.data.player import _matched
 from rtkit.cli.shared.app import App
 from rtkit.component import TimedLong
-from rtkit.component.codec import codec_for
+from rtkit.component.values.codec import codec_for
 from rtkit.errors import NotFound, Refused
 from rtkit.probe.known_types import data_type, type_or_bytes
 from rtkit.recording.entries import RecordedStream, RecordedValue

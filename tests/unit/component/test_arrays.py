@@ -10,14 +10,14 @@ import pytest
 from numpy.typing import NDArray
 
 from rtkit.component import InPort, OutPort, Time
-from rtkit.component.array_twins import with_arrays
-from rtkit.component.carried import carried
-from rtkit.component.carried import test_of as passes
-from rtkit.component.codec import codec_for, encoder_for, splitter_for
-from rtkit.component.definition import idl_of
-from rtkit.component.literal import zero_value
 from rtkit.component.sensors import CameraImage, RangeData
-from rtkit.component.typenames import type_name
+from rtkit.component.values.array_twins import with_arrays
+from rtkit.component.values.carried import carried
+from rtkit.component.values.carried import test_of as passes
+from rtkit.component.values.codec import codec_for, encoder_for, splitter_for
+from rtkit.component.values.definition import idl_of
+from rtkit.component.values.literal import zero_value
+from rtkit.component.values.typenames import type_name
 from rtkit.container.port_wiring import PortWiring
 from rtkit.errors import Malformed
 from rtkit.link.local.streams import LocalStreams

@@ -7,8 +7,8 @@ from time import monotonic
 
 import pytest
 
-from rtkit.component.buffer import AwaitedRing, GuardedRing, Pulled, Ring, make_ring
-from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus
+from rtkit.component.ports.buffer import AwaitedRing, GuardedRing, Pulled, Ring, make_ring
+from rtkit.component.ports.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus
 
 LONG_S = 30.0
 

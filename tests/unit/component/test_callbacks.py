@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rtkit.component import Component
-from rtkit.component.callbacks import Callbacks, attempt, overrides
-from rtkit.component.lifecycle import ACTIVE, ERROR, INACTIVE
+from rtkit.component.contexts.callbacks import Callbacks, attempt, overrides
+from rtkit.component.contexts.lifecycle import ACTIVE, ERROR, INACTIVE
 from rtkit.errors import Refused
 from rtkit.rtc.enums import LifeCycleState, ReturnCode, Transition
 

@@ -9,10 +9,10 @@ from typing import Protocol
 import pytest
 
 from rtkit.component import Component, Long, ServicePort, raises
-from rtkit.component.callbacks import attempt
+from rtkit.component.contexts.callbacks import attempt
 from rtkit.component.factory import Factories
-from rtkit.component.interface import Interface
-from rtkit.component.invocation import Direct, ProvidedInterface, Remote, answer
+from rtkit.component.services.interface import Interface
+from rtkit.component.services.invocation import Direct, ProvidedInterface, Remote, answer
 from rtkit.errors import Malformed, Refused
 
 

@@ -8,12 +8,12 @@ import numpy
 import pytest
 
 from rtkit.component import InPort, Long, OutPort, TimedDoubleSeq, TimedLong, TimedOctetSeq
-from rtkit.component import carried as carried_module
-from rtkit.component.carried import passage
-from rtkit.component.codec import codec_for
 from rtkit.component.geometry import TimedPose2D
 from rtkit.component.images import CameraImage, ImageData
-from rtkit.component.options import PortStatus
+from rtkit.component.ports.options import PortStatus
+from rtkit.component.values import carried as carried_module
+from rtkit.component.values.carried import passage
+from rtkit.component.values.codec import codec_for
 from rtkit.container.port_wiring import PortWiring
 from rtkit.errors import Malformed
 from rtkit.link.local.streams import LocalStreams

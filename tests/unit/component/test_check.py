@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.component.port_matching import refusal
+from rtkit.component.ports.port_matching import refusal
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile
 

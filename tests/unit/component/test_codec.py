@@ -22,7 +22,6 @@ from rtkit.component import (
     TimedLong,
     ULong,
     actuators,
-    codegen,
     extended,
     geometry,
     images,
@@ -31,8 +30,9 @@ from rtkit.component import (
     timed,
     types,
 )
-from rtkit.component.codec import BYTES, codec_for, encoder_for
-from rtkit.component.type_layout import (
+from rtkit.component.values import codegen
+from rtkit.component.values.codec import BYTES, codec_for, encoder_for
+from rtkit.component.values.type_layout import (
     ArrayLayout,
     EnumLayout,
     ItemsLayout,

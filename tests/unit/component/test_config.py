@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.component.config import Configuration, is_hidden
+from rtkit.component.configuration.config import Configuration, is_hidden
 from rtkit.errors import Malformed, NotFound, Refused
 
 

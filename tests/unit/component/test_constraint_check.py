@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.component.constraint_check import misfit
+from rtkit.component.configuration.constraint_check import misfit
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from rtkit.component import Component, Parameter
-from rtkit.component.context import ExecutionContext
+from rtkit.component.contexts.context import ExecutionContext
 from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, ReturnCode, Transition
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rtkit.component import Component, InPort, OutPort, Parameter, TimedLong
-from rtkit.component.context import ExecutionContext
-from rtkit.component.owned_contexts import kind_named, wanted_contexts
+from rtkit.component.contexts.context import ExecutionContext
+from rtkit.component.contexts.owned_contexts import kind_named, wanted_contexts
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, ReturnCode, Transition
 from rtkit.rtc.profiles import ConnectorProfile

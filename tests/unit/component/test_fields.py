@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rtkit.component import Time, TimedBoolean, TimedLong, TimedLongSeq, TimedString
-from rtkit.component.fields import check_field, numbers
 from rtkit.component.geometry import TimedPose2D
+from rtkit.component.values.fields import check_field, numbers
 from rtkit.errors import Malformed, NotFound
 
 

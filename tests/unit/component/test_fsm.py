@@ -7,10 +7,10 @@ from typing import Any, ClassVar
 import pytest
 
 from rtkit.component import FsmComponent, OutPort, State, TimedLong, TimedString, takes
-from rtkit.component.carried import passage
-from rtkit.component.codec import codec_for
 from rtkit.component.describe import describe
-from rtkit.component.options import PortStatus
+from rtkit.component.ports.options import PortStatus
+from rtkit.component.values.carried import passage
+from rtkit.component.values.codec import codec_for
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, ReturnCode
 from rtkit.rtc.profiles import ConnectorProfile, PortRef

@@ -6,9 +6,10 @@ import threading
 
 import pytest
 
-from rtkit.component import Time, TimedLong, held_values
-from rtkit.component.options import PortStatus
-from rtkit.component.out_port import OutPort
+from rtkit.component import Time, TimedLong
+from rtkit.component.ports import held_values
+from rtkit.component.ports.options import PortStatus
+from rtkit.component.ports.out_port import OutPort
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 ENDS = (PortRef("A", "out"), PortRef("B", "in"))

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from rtkit.component import input_wait, waiting
-from rtkit.component.callbacks import attempt
-from rtkit.component.input_wait import (
+from rtkit.component.contexts import input_wait, waiting
+from rtkit.component.contexts.callbacks import attempt
+from rtkit.component.contexts.input_wait import (
     InputEnded,
     allow_input,
     begin_wait,
@@ -19,7 +19,7 @@ from rtkit.component.input_wait import (
     leave_input,
     wait_of,
 )
-from rtkit.component.waiting import grant_by, waiting_for_people
+from rtkit.component.contexts.waiting import grant_by, waiting_for_people
 
 
 class End:

@@ -9,7 +9,7 @@ from typing import Protocol
 import pytest
 
 from rtkit.component import Float, Long, TimedLong
-from rtkit.component.interface import Interface
+from rtkit.component.services.interface import Interface
 from rtkit.errors import Malformed, Refused
 
 

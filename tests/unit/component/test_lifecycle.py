@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.component.lifecycle import CALLBACK, TABLE, TARGET, LifeCycleEvent, next_state, refusal
+from rtkit.component.contexts.lifecycle import (
+    CALLBACK,
+    TABLE,
+    TARGET,
+    LifeCycleEvent,
+    next_state,
+    refusal,
+)
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 C, I, A, E = LifeCycleState  # noqa: E741

@@ -9,7 +9,7 @@ import pytest
 
 from rtkit.component import Char, Long, Time, TimedLong, timed
 from rtkit.component.geometry import Pose2D, TimedPose2D, TimedVelocity2D, Velocity2D
-from rtkit.component.literal import Literal, zero_value
+from rtkit.component.values.literal import Literal, zero_value
 from rtkit.errors import Malformed
 
 NOW = Time(100, 5)

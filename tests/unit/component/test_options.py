@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.component.options import (
+from rtkit.component.ports.options import (
     BufferOptions,
     ConnectorOptions,
     EmptyPolicy,

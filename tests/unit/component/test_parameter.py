@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.component import Component, Parameter
-from rtkit.component.kinds import kind_of
+from rtkit.component.configuration.kinds import kind_of
 from rtkit.errors import Malformed
 
 

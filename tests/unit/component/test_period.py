@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from rtkit.component.period import NANOSECONDS, Period
+from rtkit.component.contexts.period import NANOSECONDS, Period
 from rtkit.errors import Malformed
 
 START = 123_456_789

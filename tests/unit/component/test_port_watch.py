@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.component import InPort, OutPort, TimedLong, port_watch
+from rtkit.component import InPort, OutPort, TimedLong
+from rtkit.component.ports import port_watch
 from rtkit.rtc.profiles import ConnectorProfile
 
 

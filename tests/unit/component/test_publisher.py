@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.component.buffer import Ring, select
-from rtkit.component.options import PushPolicy
+from rtkit.component.ports.buffer import Ring, select
+from rtkit.component.ports.options import PushPolicy
 
 
 def ring(count):

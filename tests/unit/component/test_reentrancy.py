@@ -8,7 +8,7 @@ import threading
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtkit.component.reentrancy import Reentrancy
+from rtkit.component.services.reentrancy import Reentrancy
 
 
 def circles(crossings, *calls):

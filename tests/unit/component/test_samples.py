@@ -12,9 +12,9 @@ import pytest
 
 from rtkit import component as public
 from rtkit.component import OutPort, TimedLong
-from rtkit.component.codec import codec_for
 from rtkit.component.factory import Factories
-from rtkit.component.invocation import Direct
+from rtkit.component.services.invocation import Direct
+from rtkit.component.values.codec import codec_for
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.profiles import ConnectorProfile

@@ -7,7 +7,7 @@ from typing import Protocol
 import pytest
 
 from rtkit.component import Component, Polarity, PortInterfaceProfile, ServicePort
-from rtkit.component.invocation import Direct, Remote, answer
+from rtkit.component.services.invocation import Direct, Remote, answer
 from rtkit.errors import Malformed, NotFound, Refused, Unreachable
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.profiles import ConnectorProfile

@@ -18,10 +18,10 @@ from typing import get_type_hints
 import pytest
 
 import rtkit.component as component
-from rtkit.component.codec import codec_for
 from rtkit.component.standard import FAMILIES, SCOPES, home_of, names_of
-from rtkit.component.type_layout import layout_of
-from rtkit.component.typenames import type_by_name, type_name
+from rtkit.component.values.codec import codec_for
+from rtkit.component.values.type_layout import layout_of
+from rtkit.component.values.typenames import type_by_name, type_name
 from rtkit.errors import Malformed
 
 ROOT = Path(__file__).parents[3]

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from rtkit.component.context import ExecutionContext
+from rtkit.component.contexts.context import ExecutionContext
 from rtkit.container.pacer import Pacer
 from rtkit.errors import Refused
 from rtkit.rtc.enums import ExecutionKind

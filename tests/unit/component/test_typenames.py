@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import pytest
 
 from rtkit.component import TimedLong, TimedPose2D
-from rtkit.component.typenames import register, type_by_name, type_name
+from rtkit.component.values.typenames import register, type_by_name, type_name
 from rtkit.errors import Malformed
 from rtkit.rtc.data_types import is_same_type, scoped_name
 

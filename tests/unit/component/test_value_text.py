@@ -9,9 +9,9 @@ import pytest
 
 from rtkit.component import Time, TimedDouble, TimedLongSeq, TimedOctetSeq, TimedString
 from rtkit.component.geometry import Point2D, Pose2D, TimedPose2D
-from rtkit.component.literal import Literal
 from rtkit.component.sensors import CameraImage
-from rtkit.component.value_text import field_reader, plain, text_of
+from rtkit.component.values.literal import Literal
+from rtkit.component.values.value_text import field_reader, plain, text_of
 from rtkit.errors import Malformed, NotFound
 
 POSE = TimedPose2D(Time(12, 34), Pose2D(Point2D(1.0, 2.0), 0.5))

@@ -6,9 +6,9 @@ from threading import Event
 
 import pytest
 
-from rtkit.component import waiting
-from rtkit.component.waiting import grant_by, wait_for
-from rtkit.component.waiting import waiting as waiting_for
+from rtkit.component.contexts import waiting
+from rtkit.component.contexts.waiting import grant_by, wait_for
+from rtkit.component.contexts.waiting import waiting as waiting_for
 
 LONG_S = 3000.0
 

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.component import callbacks
-from rtkit.component.buffer import GuardedRing
-from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus
-from rtkit.component.waiting import grant_by
+from rtkit.component.contexts import callbacks
+from rtkit.component.contexts.waiting import grant_by
+from rtkit.component.ports.buffer import GuardedRing
+from rtkit.component.ports.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus
 from rtkit.container.heartbeats import CALLBACKS, HeartbeatReader, Heartbeats
 from rtkit.container.stacks import is_in_debugger, place_of
 from rtkit.manager.slaves.watchdog import DEADLINE_S, callback_deadline_s

@@ -11,10 +11,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rtkit.component import ServicePort, raises, returns
-from rtkit.component.defined_interface import RaisedByProvider, interface_of
 from rtkit.component.geometry import Point2D
-from rtkit.component.interface import Interface
-from rtkit.component.interface_definition import definition_of
+from rtkit.component.services.defined_interface import RaisedByProvider, interface_of
+from rtkit.component.services.interface import Interface
+from rtkit.component.services.interface_definition import definition_of
 from rtkit.component.types import Long, Octet, ULong, WString
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.probe.calling import ProvidedOperation, chosen

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from rtkit.component import Time, TimedLong
-from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Point2D
 from rtkit.component.sensors import CameraImage
+from rtkit.component.values.codec import codec_for
 from rtkit.probe.port_spec import Stream
 from rtkit.probe.stats import Stats, stamp_reader
 from rtkit.probe.stream_report import lines_of, record_of, size_text

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rtkit.component import Time, TimedLong
-from rtkit.component.codec import codec_for
+from rtkit.component.values.codec import codec_for
 from rtkit.probe.probe import Tool
 from rtkit.probe.tap import Tap
 from rtkit.rtc.profiles import ConnectorProfile, PortRef

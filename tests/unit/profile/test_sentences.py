@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.component.constraint_check import Declared, misfit_of, read_constraint
+from rtkit.component.configuration.constraint_check import Declared, misfit_of, read_constraint
 
 RULE = 'and(or("Even numbers only.", (2,4,6)), or("Nothing has more than four.", x<=4))'
 

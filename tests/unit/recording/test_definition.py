@@ -11,13 +11,13 @@ from typing import Annotated
 import pytest
 
 from rtkit.component import Long, Time, TimedLong, WString
-from rtkit.component.codec import codec_for
-from rtkit.component.defined import class_of, is_same_definition
-from rtkit.component.definition import definition_of, docs_of, idl_of, name_of
 from rtkit.component.geometry import TimedPoint2D
-from rtkit.component.in_port import InPort
-from rtkit.component.out_port import OutPort
-from rtkit.component.value_text import plain
+from rtkit.component.ports.in_port import InPort
+from rtkit.component.ports.out_port import OutPort
+from rtkit.component.values.codec import codec_for
+from rtkit.component.values.defined import class_of, is_same_definition
+from rtkit.component.values.definition import definition_of, docs_of, idl_of, name_of
+from rtkit.component.values.value_text import plain
 from rtkit.errors import Malformed, NotFound
 from rtkit.idl.read import read_idl
 from rtkit.probe.known_types import data_type

@@ -9,8 +9,8 @@ import pytest
 from mcap.reader import make_reader
 
 from rtkit.component import Time, TimedLong
-from rtkit.component.codec import codec_for
-from rtkit.component.definition import idl_of
+from rtkit.component.values.codec import codec_for
+from rtkit.component.values.definition import idl_of
 from rtkit.errors import Malformed
 from rtkit.recording.entries import RecordedStream, RecordedValue
 from rtkit.recording.mcap_file import RecordingReader, RecordingWriter

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from rtkit.component import Time, TimedLong
-from rtkit.component.codec import codec_for
-from rtkit.component.definition import idl_of, name_of
 from rtkit.component.geometry import Point2D
 from rtkit.component.standard import SCOPES, names_of
-from rtkit.component.typenames import type_by_name
+from rtkit.component.values.codec import codec_for
+from rtkit.component.values.definition import idl_of, name_of
+from rtkit.component.values.typenames import type_by_name
 from rtkit.errors import Malformed, Refused
 from rtkit.idl.read import read_idl
 from rtkit.probe.stats import stamp_reader

@@ -11,11 +11,11 @@ from mcap.reader import make_reader
 from mcap_ros2._dynamic import generate_dynamic
 
 from rtkit.component import Time, TimedDoubleSeq, TimedLong, TimedString
-from rtkit.component.codec import codec_for
-from rtkit.component.definition import has_octets
 from rtkit.component.geometry import Point2D, Pose2D, TimedPose2D
 from rtkit.component.images import TimedCameraImage
 from rtkit.component.sensors import CameraImage
+from rtkit.component.values.codec import codec_for
+from rtkit.component.values.definition import has_octets
 from rtkit.recording.entries import RecordedStream, RecordedValue
 from rtkit.recording.mcap_file import RecordingWriter
 

@@ -169,7 +169,7 @@ def _component(
 
 def _fitting(item: ConfigurationParameter) -> ConfigurationParameter:
     """Refuse a parameter whose default breaks its own type or constraint."""
-    from rtkit.component.constraint_check import Declared, misfit_of
+    from rtkit.component.configuration.constraint_check import Declared, misfit_of
     from rtkit.profile.constraint_text import format_constraint
 
     rule = format_constraint(item.constraint)

@@ -9,8 +9,8 @@ import pytest
 from openrtm_files import made, write_component
 
 from rtkit.component.base import Component
-from rtkit.component.typenames import type_by_name
 from rtkit.component.types import Time
+from rtkit.component.values.typenames import type_by_name
 from rtkit.errors import Malformed, NotFound
 from rtkit.modules.loader import Loader
 from rtkit.rtc.enums import LifeCycleState, PortType

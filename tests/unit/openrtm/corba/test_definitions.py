@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from openrtm_files import made, write_component
 
-from rtkit.component.data_port import DataPort
-from rtkit.component.definition import definition_of
+from rtkit.component.ports.data_port import DataPort
+from rtkit.component.values.definition import definition_of
 from rtkit.errors import Refused
 from rtkit.idl.model import StructDeclaration
 from rtkit.openrtm.corba.definition_files import read_all

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from openrtm_files import made, write_component
 
-from rtkit.component.invocation import Direct, Remote, answer
-from rtkit.component.service import ServicePort
+from rtkit.component.services.invocation import Direct, Remote, answer
+from rtkit.component.services.service import ServicePort
 from rtkit.openrtm.corba.exceptions import SYSTEM_EXCEPTIONS
 from rtkit.rtc.profiles import ConnectorProfile
 

@@ -9,7 +9,7 @@ from openrtm_corpus import COMPONENTS, needs_components
 from openrtm_files import made, write_component
 
 from rtkit.builder.standard_types import KNOWN
-from rtkit.component.data_port import DataPort
+from rtkit.component.ports.data_port import DataPort
 from rtkit.idl.model import EnumDeclaration, StructDeclaration, Typedef
 from rtkit.idl.read import read_idl
 from rtkit.openrtm.corba.stubs import read_stub

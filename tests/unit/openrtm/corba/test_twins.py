@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from rtkit.component.codec import codec_for
 from rtkit.component.standard import names_of
-from rtkit.component.type_layout import layout_of, zero
-from rtkit.component.typenames import type_by_name
+from rtkit.component.values.codec import codec_for
+from rtkit.component.values.type_layout import layout_of, zero
+from rtkit.component.values.typenames import type_by_name
 from rtkit.openrtm.corba.standard_types import rtc_value
 from rtkit.openrtm.corba.twins import default_of, freezer_of, thawer_of, twin_of
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from rtkit.component.input_wait import InputEnded, allow_input, leave_input
-from rtkit.component.options import parse_options
+from rtkit.component.contexts.input_wait import InputEnded, allow_input, leave_input
+from rtkit.component.ports.options import parse_options
 from rtkit.errors import Malformed
 from rtkit.openrtm.absent import NotSupported
 from rtkit.openrtm.api.static_fsm import FSM_TOPSTATE, Link

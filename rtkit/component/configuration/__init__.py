@@ -1,0 +1,1 @@
+"""Configuration of components: parameters, their kinds and constraints, and sets of them."""

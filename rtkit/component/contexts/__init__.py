@@ -1,0 +1,1 @@
+"""Execution contexts: what drives components, and when."""

@@ -1,0 +1,1 @@
+"""Ports of components, and what keeps values on their way between two of them."""

@@ -1,0 +1,1 @@
+"""Service ports, their interfaces, and calls between two of them."""
