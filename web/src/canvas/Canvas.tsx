@@ -4,12 +4,13 @@ import {
   Background, BackgroundVariant, ConnectionLineType, ConnectionMode, MiniMap, ReactFlow, ReactFlowProvider, useReactFlow,
   type Connection, type NodeChange, type OnConnectStartParams,
 } from '@xyflow/react';
-import { useCallback, useEffect, useMemo, useRef, useState, type KeyboardEvent } from 'react';
+import { useCallback, useEffect, useMemo, useRef, useState, type KeyboardEvent, type MouseEvent as ReactMouseEvent } from 'react';
 
 import { isHeading, nearest, type Heading } from '../model/nearest';
 import type { System } from '../model/system';
 import { portPath, type Box, type Layout, type PortEnd } from '../model/types';
 import { sentence } from '../server/api';
+import { useStable } from '../parts/useStable';
 import { useEditor } from '../shell/contexts';
 import type { View } from '../shell/view';
 import { useTexts } from '../texts';
@@ -17,14 +18,16 @@ import { wireAt } from './aim';
 import { CanvasTools } from './CanvasTools';
 import { ComponentNode } from './ComponentNode';
 import { ConnectingContext, type Connecting } from './ConnectingContext';
+import { DetailProvider } from './DetailProvider';
 import { FrameNode } from './FrameNode';
-import { FIT, buildEdges, buildNodes, keeper, placedBoxes, type GraphNode, type WireEdgeType } from './graph';
+import { FIT, buildEdges, buildNodes, keeper, listKeeper, placedBoxes, type GraphNode, type WireEdgeType } from './graph';
 import { keptTouch } from './touch';
 import { Wire } from './Wire';
 
 const NODE_TYPES = { component: ComponentNode, frame: FrameNode };
 const EDGE_TYPES = { wire: Wire };
 const MINIMAP_SIZE = { width: 150, height: 100 };
+const NO_ATTRIBUTION = { hideAttribution: true };
 /** What the bar of the scope, the map and the buttons of the diagram take [px]. */
 const [SIDE, TOP, BOTTOM] = [24, 64, 124];
 const PAN_STEP = 80;
@@ -34,7 +37,7 @@ const SPEED_MS = matchMedia('(prefers-reduced-motion: reduce)').matches ? 0 : 25
 interface Props { system: System; shown: ReadonlySet<string> | null; layout: Layout; view: View; onOpen: () => void; onConnect: (from: PortEnd, to: PortEnd) => void }
 
 export function Canvas(props: Props) {
-  return <ReactFlowProvider><Diagram {...props} /></ReactFlowProvider>;
+  return <ReactFlowProvider><DetailProvider><Diagram {...props} /></DetailProvider></ReactFlowProvider>;
 }
 
 /** The diagram: boxes and wires of the layout, what the user has moved, and the keys and drags that work on them. */
@@ -48,11 +51,13 @@ function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
 
   const [keepNode] = useState(() => keeper<GraphNode>());
   const [keepEdge] = useState(() => keeper<WireEdgeType>());
+  const [keepNodes] = useState(() => listKeeper<GraphNode>());
+  const [keepEdges] = useState(() => listKeeper<WireEdgeType>());
   const boxes = useMemo(() => placedBoxes(layout, view.placed), [layout, view.placed]);
   const selection = useMemo(() => new Set(view.selection), [view.selection]);
   const scene = { system, boxes, selection };
-  const nodes = buildNodes(scene, texts.canvas.component, keepNode);
-  const edges = buildEdges(scene, layout, view.placed, texts.canvas.wire, keepEdge);
+  const nodes = keepNodes(buildNodes(scene, texts.canvas.component, keepNode));
+  const edges = keepEdges(buildEdges(scene, layout, view.placed, texts.canvas.wire, keepEdge));
 
   useCentre(view.centre, boxes);
   useFit(shown, layout);
@@ -117,18 +122,30 @@ function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
     if (id && !selection.has(id)) editor.reveal(id);
   };
 
-  const connect = ({ source, sourceHandle, target, targetHandle }: Connection) => {
+  const connect = useStable(({ source, sourceHandle, target, targetHandle }: Connection) => {
     if (!sourceHandle || !targetHandle) return;
     const [from, to] = [{ component: source, port: sourceHandle }, { component: target, port: targetHandle }];
     const isTurned = system.components.get(from.component)?.ports.some((port) => port.name === from.port && port.direction === 'in');
     onConnect(isTurned ? to : from, isTurned ? from : to);
-  };
+  });
 
-  const allows = ({ source, sourceHandle, target, targetHandle }: Connection | WireEdgeType): boolean => {
+  const allows = useStable(({ source, sourceHandle, target, targetHandle }: Connection | WireEdgeType): boolean => {
     const far = connecting && portPath(connecting.from) === `${source}:${sourceHandle}` ? `${target}:${targetHandle}` : `${source}:${sourceHandle}`;
     // Who is quicker than the server's answer is told by the dialog, or by the command.
     return !connecting?.whys || connecting.whys.get(far) === '';
-  };
+  });
+
+  // React Flow draws every box and wire anew when it is given another function.
+  const onNodeClick = useStable((event: ReactMouseEvent, node: GraphNode) => {
+    if (!(event.target instanceof Element && event.target.closest('button'))) pick(node.id, isAdding(event));
+  });
+  const onNodeDoubleClick = useStable((_: ReactMouseEvent, node: GraphNode) => (node.type === 'frame' ? editor.toggleFold(node.id) : onOpen()));
+  const onEdgeClick = useStable((event: ReactMouseEvent, edge: WireEdgeType) => pick(nearestWire(event)?.getAttribute('data-id') ?? edge.id, isAdding(event)));
+  const onEdgeMouseMove = useStable((event: ReactMouseEvent) => {
+    if (!event.buttons) aim(nearestWire(event));
+  });
+  const onEdgeMouseLeave = useStable(() => aim(null));
+  const onPaneClick = useStable(() => editor.select([]));
 
   return (
     <div className="canvas" ref={wrapper} onKeyDown={onKeyDown} onFocus={onFocus} role="presentation">
@@ -136,18 +153,14 @@ function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
         <ReactFlow<GraphNode, WireEdgeType>
           aria-label={texts.canvas.label}
           nodes={nodes} edges={edges} nodeTypes={NODE_TYPES} edgeTypes={EDGE_TYPES}
-          onNodesChange={onNodesChange}
-          onNodeClick={(event, node) => !(event.target instanceof Element && event.target.closest('button')) && pick(node.id, event.shiftKey || event.ctrlKey || event.metaKey)}
-          onNodeDoubleClick={(_, node) => (node.type === 'frame' ? editor.toggleFold(node.id) : onOpen())}
-          onEdgeClick={(event, edge) => pick(nearestWire(event)?.getAttribute('data-id') ?? edge.id, event.shiftKey || event.ctrlKey || event.metaKey)}
-          onEdgeMouseMove={(event) => event.buttons || aim(nearestWire(event))} onEdgeMouseLeave={() => aim(null)}
-          onPaneClick={() => editor.select([])}
+          onNodesChange={onNodesChange} onNodeClick={onNodeClick} onNodeDoubleClick={onNodeDoubleClick}
+          onEdgeClick={onEdgeClick} onEdgeMouseMove={onEdgeMouseMove} onEdgeMouseLeave={onEdgeMouseLeave} onPaneClick={onPaneClick}
           onConnectStart={begin} onConnectEnd={end} onConnect={connect} isValidConnection={allows}
           nodesConnectable={editor.canChange} connectionMode={ConnectionMode.Loose} connectionLineType={ConnectionLineType.SmoothStep}
           connectionRadius={18} disableKeyboardA11y elementsSelectable={false} edgesFocusable onlyRenderVisibleElements
           fitView fitViewOptions={FIT} minZoom={0.05} maxZoom={2} deleteKeyCode={null} selectionKeyCode={null}
           multiSelectionKeyCode={null} zoomOnDoubleClick={false} elevateNodesOnSelect={false} nodeDragThreshold={3}
-          proOptions={{ hideAttribution: true }}
+          proOptions={NO_ATTRIBUTION}
         >
           <Background variant={BackgroundVariant.Dots} gap={20} size={1} />
           <MiniMap<GraphNode> pannable zoomable ariaLabel={texts.canvas.minimap} nodeClassName={miniClass} nodeBorderRadius={6} style={MINIMAP_SIZE} />
@@ -158,6 +171,8 @@ function Diagram({ system, shown, layout, view, onOpen, onConnect }: Props) {
     </div>
   );
 }
+
+const isAdding = ({ shiftKey, ctrlKey, metaKey }: ReactMouseEvent): boolean => shiftKey || ctrlKey || metaKey;
 
 const miniClass = (node: GraphNode): string => (node.type === 'component' ? `look-${node.data.component.look}` : `mini-${node.data.frame.kind}`);
 

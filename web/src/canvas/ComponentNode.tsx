@@ -1,4 +1,4 @@
-import { Handle, NodeResizeControl, useStore, type NodeProps } from '@xyflow/react';
+import { Handle, NodeResizeControl, type NodeProps } from '@xyflow/react';
 import { memo, useContext } from 'react';
 
 import { alongSide, placedPorts, portType, type PlacedPort } from '../model/ports';
@@ -7,19 +7,16 @@ import { StateIcon } from '../parts/StateIcon';
 import { useEditor } from '../shell/contexts';
 import { Anchors } from './Anchors';
 import { ConnectingContext } from './ConnectingContext';
+import { BoxDetailContext } from './DetailContext';
 import { POSITIONS, endKind, type ComponentNodeType } from './graph';
-
-/** Below these zooms the names of ports, and then those of components, could not be read: leaving them out keeps 1,000 boxes quick. */
-const DETAIL_ZOOM = 0.45;
-const NAME_ZOOM = 0.2;
 
 export const ComponentNode = memo(function ComponentNode({ data, selected, isConnectable }: NodeProps<ComponentNodeType>) {
   const { component, box } = data;
   const connecting = useContext(ConnectingContext);
   const { resize, canChange } = useEditor();
-  const isDetailed = useStore((state) => state.transform[2] >= DETAIL_ZOOM);
-  const isNamed = useStore((state) => state.transform[2] >= NAME_ZOOM);
-  if (!isNamed) return <div className={`speck look-${component.look} ${selected ? 'is-selected' : ''}`}><Anchors component={component} box={box} /></div>;
+  const detail = useContext(BoxDetailContext);
+  const isDetailed = detail === 'all';
+  if (detail === 'speck') return <div className={`speck look-${component.look} ${selected ? 'is-selected' : ''}`}><Anchors component={component} box={box} /></div>;
   const connected = new Set(data.connected.split('\n'));
   const isDim = connecting?.whys && !takesPart(component, connecting.from.component, connecting.whys);
   const classes = ['component', `look-${component.look}`, selected && 'is-selected', isDim && 'is-dim', !isDetailed && 'is-far'];

@@ -1,29 +1,20 @@
-import { BaseEdge, getSmoothStepPath, useStore, type EdgeProps } from '@xyflow/react';
+import { BaseEdge, getSmoothStepPath, type EdgeProps } from '@xyflow/react';
 import { memo, useContext } from 'react';
 
 import type { Point } from '../model/types';
 import { RatesContext, useEditor } from '../shell/contexts';
 import { BendHandles } from './BendHandles';
+import { WireDetailContext } from './DetailContext';
 import type { WireEdgeType } from './graph';
 import { WireLabel } from './WireLabel';
 import { labelPlace, roundedPath } from './path';
-
-const LABEL_ZOOM = 0.5;
-/** What a finger needs to hit a wire [px of the window]. */
-const TARGET = 24;
-/** Farther away wires are not picked by hand. */
-const LEAST_ZOOM = 0.2;
-
-/** How wide the area of a wire is in the diagram, in steps: a new one costs a look at all wires. */
-const areaOf = ({ transform }: { transform: [number, number, number] }): number => TARGET / 2 ** (Math.floor(2 * Math.log2(Math.max(transform[2], LEAST_ZOOM))) / 2);
 
 /** A connector: along the path of the layout, else right-angled between its ends; thicker the more values it carries. */
 export const Wire = memo(function Wire(props: EdgeProps<WireEdgeType>) {
   const { id, data, selected } = props;
   const { bend, canChange } = useEditor();
   const hz = useContext(RatesContext).connectors[id]?.hz ?? null;
-  const hasLabel = useStore((state) => state.transform[2] >= LABEL_ZOOM);
-  const area = useStore(areaOf);
+  const { hasLabel, area } = useContext(WireDetailContext);
   const [path, x, y, room] = course(props);
   const isTroubled = Boolean(data?.wire.trouble);
   const classes = ['wire', isTroubled && 'is-troubled', data?.isNear && 'is-near', selected && 'is-selected', hz === 0 && 'is-quiet'];

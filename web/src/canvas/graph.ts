@@ -44,6 +44,15 @@ export function keeper<T>(): (id: string, parts: readonly unknown[], make: () =>
   };
 }
 
+/** A function that returns the list it returned before while its members are the same: React Flow then looks at none of them. */
+export function listKeeper<T>(): (list: T[]) => T[] {
+  let kept: T[] = [];
+  return (list) => {
+    if (list.length !== kept.length || list.some((one, index) => one !== kept[index])) kept = list;
+    return kept;
+  };
+}
+
 /** The boxes as they stand: those of the layout, moved by hand, frames grown round what was moved. */
 export function placedBoxes(layout: Layout, placed: Places): Map<string, Box> {
   const boxes = new Map<string, Box>();
@@ -70,6 +79,7 @@ function growAround(boxes: Map<string, Box>, inner: Box): void {
   const top = Math.min(outer.y, inner.y - HEADER);
   const right = Math.max(outer.x + outer.width, inner.x + inner.width + MARGIN);
   const bottom = Math.max(outer.y + outer.height, inner.y + inner.height + MARGIN);
+  if (left === outer.x && top === outer.y && right === outer.x + outer.width && bottom === outer.y + outer.height) return;
   const grown = { ...outer, x: left, y: top, width: right - left, height: bottom - top };
   boxes.set(inner.parent, grown);
   growAround(boxes, grown);
