@@ -10,7 +10,8 @@ class PropertyChange(NamedTuple):
 
     Attributes:
         target: The property, as it was named.
-        value: Numbers, booleans, texts, lists; elements as tables; bytes as they are.
+        value: Numbers, booleans, texts, lists; elements as tables; bytes as they are. The
+            last one, or an empty text, where there is a code.
         time: When it came into force [s since 1970].
         quality: ``good``, ``uncertain``, ``bad``, or ``stale`` while the owner is away.
         code: Why there is no value now: ``no-service`` while the owner is away, otherwise nothing

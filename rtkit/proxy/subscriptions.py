@@ -100,7 +100,7 @@ class RelayedSubscription:
         has_begun: The owner has said yes.
         is_asked: The owner has not answered yet.
         again_at: From when on it may be asked anew [s, monotonic].
-        last: Last value that the owner sent.
+        last: Last value that the owner sent; an empty one if it went before it sent any.
     """
 
     def __init__(self, name: str, options: RelayedOptions) -> None:
@@ -304,16 +304,23 @@ class RelayedSubscriptions:
     # The connection
 
     def went(self) -> None:
-        """Notify all listeners that their values are stale: the owner cannot be reached."""
+        """Notify all listeners that their values are stale: the owner cannot be reached.
+
+        Also those whose first value has not come: it may have been on its way when the owner went.
+        """
         for listening in list(self._all):
-            if listening.connection is None:
+            last = self._last_of(listening)
+            if listening.connection is None and last.quality == "stale":
                 continue  # it was sent before
             listening.connection, listening.has_begun = None, False
-            if listening.last is not None:
-                listening.last = listening.last._replace(quality="stale", dropped=0)
-                for relayed in listening.relayed:
-                    relayed.push(listening.last)
-                    relayed.caller.wake()
+            listening.last = last._replace(quality="stale", dropped=0)
+            for relayed in listening.relayed:
+                relayed.push(listening.last)
+                relayed.caller.wake()
+
+    def _last_of(self, listening: RelayedSubscription) -> PropertyEvent:
+        """Return the last event of the owner, an empty one as long as none has come."""
+        return listening.last or PropertyEvent(self._outward(listening.name), "", 0.0, 0)
 
     def came(self) -> None:
         """Go on listening."""
@@ -337,7 +344,7 @@ class RelayedSubscriptions:
 
     def _finish(self, listening: RelayedSubscription, code: str) -> None:
         """Notify that there is nothing to listen to any more."""
-        at = listening.last or PropertyEvent(self._outward(listening.name), "", 0.0, 0)
+        at = self._last_of(listening)
         last = at._replace(payload="", quality="bad", dropped=0, code=code)
         for relayed in listening.relayed:
             relayed.push(last)

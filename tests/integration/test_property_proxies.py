@@ -246,6 +246,8 @@ def test_the_owner_goes_and_comes_back(place: str, ends: ExitStack) -> None:
     stale = next(events)
     assert (stale.payload, stale.quality) == ("7", "stale")
     assert next(gripper).quality == "stale"
+    unknown = next(changes)
+    assert (unknown.payload, unknown.quality, unknown.code) == ("", "stale", "")
     answer = endpoint.ask("count")
     assert answer.error == "no-service"
     assert answer.payload

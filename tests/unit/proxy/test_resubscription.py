@@ -125,6 +125,36 @@ def test_an_owner_that_is_away_is_not_asked() -> None:
     assert [each.error for each in scene.replies] == ["", "no-service"], "told at once, not later"
 
 
+def test_an_owner_that_goes_before_its_first_value_has_come_is_told_as_away() -> None:
+    scene = Scene()
+    scene.begin(scene.caller)
+    scene.way.connection.say(DONE)
+    scene.listenings.went()
+    stale = scene.taken()
+    assert stale is not None
+    assert (stale.name, stale.payload, stale.quality, stale.code) == ("count", "", "stale", "")
+    scene.listenings.went()
+    assert scene.taken() is None, "it is told once"
+    scene.listenings.came()
+    scene.way.connection.say(DONE)
+    event = scene.heard("7")
+    assert event is not None
+    assert (event.payload, event.quality) == ("7", "good")
+
+
+def test_an_owner_that_goes_again_before_it_has_answered_is_told_as_away() -> None:
+    scene = Scene().listening()
+    scene.listenings.went()
+    scene.taken()
+    scene.listenings.came()
+    assert scene.heard("8") is not None, "its value may overtake its answer"
+    scene.way.connection.say(Answer("the connection has ended", "no-service"))
+    scene.listenings.went()
+    stale = scene.taken()
+    assert stale is not None
+    assert (stale.payload, stale.quality) == ("8", "stale")
+
+
 def test_an_owner_that_no_longer_has_it_ends_it() -> None:
     scene = Scene().listening()
     scene.listenings.went()
