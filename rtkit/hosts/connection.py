@@ -19,7 +19,7 @@ from rtkit.closing import Closing
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.hosts.host import Host
 from rtkit.hosts.known_hosts import KnownKeys
-from rtkit.hosts.silence import await_silence, longest_silence
+from rtkit.hosts.silence import await_silence, longest_silence, packet_silence
 from rtkit.hosts.ssh_config import SshRoute, way_to
 from rtkit.hosts.ssh_library import paramiko
 from rtkit.hosts.ssh_login import log_in
@@ -99,7 +99,9 @@ class HostConnection(Closing):
 
     def await_silence(self, silence_s: Callable[[], float]) -> str:
         """See `rtkit.hosts.silence.await_silence`."""
-        return await_silence(self.ping, self.longest_silence_s, silence_s)
+        end = self._transport.sock  # through another host it is no socket: only answers tell
+        packets = lambda: packet_silence(end)  # noqa: E731
+        return await_silence(self.ping, self.longest_silence_s, silence_s, packets)
 
 
 def connect(host: Host, timeout_s: float = TIMEOUT_S) -> HostConnection:

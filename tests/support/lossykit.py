@@ -34,11 +34,14 @@ class LossyLink:
         loss: How many of all packets are lost, in each direction.
         delay_s: How long each takes, in each direction [s].
         is_cut: Whether all are lost.
+        mute_until: Until when all are lost that carry data from the far end [s, monotonic]; what
+            acknowledges data passes.
         lost: How many have been.
     """
 
     def __init__(self, names: tuple[str, str], seed: int = 1) -> None:
         self.loss, self.delay_s, self.is_cut, self.lost = 0.0, 0.0, False, 0
+        self.mute_until = 0.0
         self._random = random.Random(seed)
         self._ends = [_device(name) for name in names]
         self._ended, self._wakes = os.pipe()
@@ -65,7 +68,9 @@ class LossyLink:
                     return
                 with suppress(OSError):  # a device that is down
                     packet = os.read(ready, _LONGEST)
-                    if self._passes(len(waiting)):
+                    is_mute = ready == self._ends[1] and monotonic() < self.mute_until
+                    is_muted = is_mute and _has_data(packet)
+                    if self._passes(len(waiting), is_muted=is_muted):
                         (other,) = (each for each in self._ends if each != ready)
                         at = monotonic() + self.delay_s
                         heapq.heappush(waiting, (at, next(count), other, packet))
@@ -74,10 +79,16 @@ class LossyLink:
                     os.write(waiting[0][2], waiting[0][3])
                 heapq.heappop(waiting)
 
-    def _passes(self, waiting: int) -> bool:
-        is_lost = self.is_cut or self._random.random() < self.loss or waiting >= _QUEUE
+    def _passes(self, waiting: int, *, is_muted: bool) -> bool:
+        is_lost = self.is_cut or self._random.random() < self.loss or waiting >= _QUEUE or is_muted
         self.lost += is_lost
         return not is_lost
+
+
+def _has_data(packet: bytes) -> bool:
+    """Return whether there is more in a packet of TCP, over IPv4, than its heads."""
+    head = 4 * (packet[0] & 0xF)
+    return len(packet) > head + 4 * (packet[head + 12] >> 4)
 
 
 def _device(name: str) -> int:

@@ -113,6 +113,14 @@ def test_a_second_of_outage_is_no_loss_of_the_host(site: Site) -> None:
     assert site.why() == ""
 
 
+def test_a_host_whose_answers_are_lost_but_not_its_acknowledgements_is_not_lost(site: Site) -> None:
+    with rtkit.Client(timeout_s=20.0) as client:
+        site.wire.mute_until = time.monotonic() + 3.5  # TCP there tries again after 3 s, then 6.2 s
+        client.set(f"{ROBOT}.velocity.timeout", 3.5)
+        assert client.get(f"{ROBOT}.velocity.timeout") == 3.5
+    assert site.why() == ""
+
+
 def test_values_are_stale_while_the_host_is_lost_and_good_again(site: Site) -> None:
     with rtkit.Client(timeout_s=20.0) as client, rtkit.serve({"r1": rtkit.Mount(ROBOT)}, "here"):
         until(lambda: client.get("here.r1.status") == "ready", "it is mounted here")
