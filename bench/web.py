@@ -33,8 +33,13 @@ _MOVES = 180
 _WATCHED_S = 5.0
 _BARE = [sys.executable, "-m", "bench.bare_web"]
 _WINDOW = (1280, 800)
-_SETTLED = """document.querySelector('.react-flow__node') !== null
-    || document.querySelector('.stage .empty')?.textContent.includes('No component')"""
+_BOXES = "document.querySelector('.react-flow__node') !== null"
+_NO_BOXES = "document.querySelector('.stage .empty')?.textContent.includes('No component')"
+_PANE, _BOX = ".react-flow__pane", ".speck, .component"
+_PLACE = """((selector) => {
+    for (let y = %d; y < %d; y += 4) for (let x = %d; x < %d; x += 4)
+        if (document.elementFromPoint(x, y)?.matches(selector)) return JSON.stringify([x, y]);
+})(%s)"""
 _COUNT_FRAMES = """(() => {
     const frames = window.frameTimes = [];
     let last = performance.now();
@@ -105,18 +110,23 @@ def _looked_at(tree: Tree, folder: str) -> Lines:
     line = [command("rtweb"), "--no-browser"]
     with browser.opened(folder, "", "") as page:
         page.picture(os.devnull, *_WINDOW)
-        still_ms = _frames(page, _press, _move)
+        still_ms = _dragged(page, _X, _Y)
         with _serving(line) as (_, address):
-            alone_s = _first_s(page, address)
+            alone_s = _first_s(page, address, _NO_BOXES)
         _at_work(tree)
         with _serving(line) as (pid, address):
-            first_s = _first_s(page, address)
+            first_s = _first_s(page, address, _BOXES)
             name = f"rtkit web, {_COMPONENTS} components, {_WIRES} wires at 10 Hz"
             floor = "the same page without a component"
             yield Row(f"{name}: first picture", "s", alone(first_s, alone_s), 3.0, False, floor)
             floor = "a page without anything"
-            for what, begin, end in (("panning", _press, _move), ("zooming", _aim, _zoom)):
-                move_ms = _frames(page, begin, end)
+            moves: dict[str, Callable[[], float]] = {
+                "panning": lambda: _dragged(page, *_place(page, _PANE)),
+                "dragging a box": lambda: _dragged(page, *_place(page, _BOX)),
+                "zooming": lambda: _frames(page, _zoom),
+            }
+            for what, move in moves.items():
+                move_ms = move()
                 yield Row(f"{name}: frame while {what}", "ms", alone(move_ms, still_ms), 20.0,
                           False, floor)  # fmt: skip
             share = _share(pid)
@@ -124,11 +134,14 @@ def _looked_at(tree: Tree, folder: str) -> Lines:
             yield Row(f"{name}: its server", "%", alone(share, 100.0), 50.0, False, floor)
 
 
-def _first_s(page: browser.Browser, address: str) -> float:
-    """Return how long a page takes from its address to its first picture [s]."""
+def _first_s(page: browser.Browser, address: str, is_shown: str) -> float:
+    """Return how long a page takes from its address to its first picture [s].
+
+    Before the server knows the components it shows that there are none.
+    """
     began = time.perf_counter()
     page.go(address)
-    page.wait_for(_SETTLED)
+    page.wait_for(is_shown)
     return time.perf_counter() - began
 
 
@@ -137,27 +150,30 @@ Hand = Callable[[browser.Browser, int], object]
 _X, _Y = _WINDOW[0] / 2, _WINDOW[1] / 3
 
 
-def _frames(page: browser.Browser, begin: Hand, move: Hand) -> float:
-    """Return the median time from one frame to the next while the picture is moved [ms]."""
-    begin(page, 0)
+def _place(page: browser.Browser, selector: str) -> tuple[float, float]:
+    """Return where the mouse meets such an element, and may go on to the right and down [px]."""
+    area = int(_Y), int(_Y) + 200, int(_X) - 300, int(_X) + 100
+    x, y = json.loads(page.evaluate(_PLACE % (*area, json.dumps(selector))))
+    return x, y
+
+
+def _dragged(page: browser.Browser, x: float, y: float) -> float:
+    """Return the median time from one frame to the next while what is at a place is drawn [ms]."""
+    page.mouse("mousePressed", x, y)
+    frame_ms = _frames(
+        page, lambda page, at: page.mouse("mouseMoved", x + 3 * (at % 60), y + at % 60)
+    )
+    page.mouse("mouseReleased", x, y)
+    return frame_ms
+
+
+def _frames(page: browser.Browser, move: Hand) -> float:
+    """Return the median time from one frame to the next while the mouse is at work [ms]."""
     page.evaluate(_COUNT_FRAMES)
     for step in range(_MOVES):
         move(page, step)
     times: list[float] = json.loads(page.evaluate(_FRAMES_SO_FAR))
-    page.mouse("mouseReleased", _X, _Y)
     return statistics.median(times)
-
-
-def _press(page: browser.Browser, _step: int) -> None:
-    page.mouse("mousePressed", _X, _Y)
-
-
-def _move(page: browser.Browser, step: int) -> None:
-    page.mouse("mouseMoved", _X + 3 * (step % 60), _Y + step % 60)
-
-
-def _aim(page: browser.Browser, _step: int) -> None:
-    page.mouse("mouseReleased", _X, _Y)
 
 
 def _zoom(page: browser.Browser, step: int) -> None:
