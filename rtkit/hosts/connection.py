@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rtkit.closing import Closing
@@ -100,8 +101,8 @@ class HostConnection(Closing):
     def await_silence(self, silence_s: Callable[[], float]) -> str:
         """See `rtkit.hosts.silence.await_silence`."""
         end = self._transport.sock  # through another host it is no socket: only answers tell
-        packets = lambda: packet_silence(end)  # noqa: E731
-        return await_silence(self.ping, self.longest_silence_s, silence_s, packets)
+        packet_silence_s = partial(packet_silence, end)
+        return await_silence(self.ping, self.longest_silence_s, silence_s, packet_silence_s)
 
 
 def connect(host: Host, timeout_s: float = TIMEOUT_S) -> HostConnection:
