@@ -23,8 +23,8 @@ _MOST_WAITING = 256
 _ALIVE_S = 4.0
 _ALIVE = b": alive\n\n"
 
-Picture = Callable[[], dict[str, Any]]
-"""Returns everything that is known now."""
+Picture = Callable[[], dict[str, Any] | None]
+"""Returns everything that is known now; None before the first look at the system."""
 
 
 def encoded(kind: str, data: Any) -> bytes:
@@ -81,6 +81,10 @@ class PageStream:
     def end(self) -> None:
         """Send what waits, and then nothing more."""
         self.is_over = True
+        self._news.set()
+
+    def wake(self) -> None:
+        """Have the stream look for a picture."""
         self._news.set()
 
     async def next(self) -> bytes:
@@ -143,6 +147,11 @@ class Pages:
         for page in self._open.values():
             page.end()
 
+    def wake(self) -> None:
+        """Have all streams look for a picture: the system is known now."""
+        for page in self._open.values():
+            page.wake()
+
     def watch(self, id: str, ports: frozenset[str]) -> None:
         """Have a page sent the values of these ports, and of no others.
 
@@ -163,18 +172,27 @@ class Pages:
     async def stream(self, picture: Picture, id: str = "") -> AsyncIterator[bytes]:
         """Yield what is sent to a new page: the whole picture, then what changes.
 
+        Before the system is known there are notices and signs of life only: a page that were
+        shown nothing would tell its user that there is nothing.
+
         Args:
-            picture: Returns the whole picture.
+            picture: Returns the whole picture, None while nothing is known.
             id: Of the page, which it has chosen itself; its next stream has the same.
         """
         page = PageStream()
         id = id or f"page {next(self._numbers)}"
         self._open[id] = page
         try:
-            yield encoded(PICTURE, picture())
+            is_shown = False
             while not page.is_over:
+                if not is_shown and (whole := picture()) is not None:
+                    is_shown = True
+                    yield encoded(PICTURE, whole)
                 news = await page.next()
-                yield encoded(PICTURE, picture()) if page.take_behind() else news
+                if page.take_behind():
+                    is_shown = False
+                elif news:
+                    yield news
         finally:
             if self._open.get(id) is page:
                 del self._open[id]

@@ -26,6 +26,7 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from rtkit.api.live_records import Record
 from rtkit.errors import LimitReached, RtkitError
 from rtkit.web.feed import FeedUpdate, SystemFeed
 from rtkit.web.guard import HEADERS, MOST_A_SECOND, Pace, Refusal, WebGuard
@@ -86,8 +87,11 @@ class WebServer:
     # Updates of the feed
 
     def _take(self, update: FeedUpdate) -> None:
+        was_known = self._site.is_known
         change = self._site.take(update)
-        if change is not None:
+        if not was_known:
+            self._site.pages.wake()
+        elif change is not None:
             self._site.pages.send(CHANGE, change)
         if update.rates is not None:
             self._site.pages.send(RATES, update.rates)
@@ -109,7 +113,10 @@ class WebServer:
         if pages.is_full:
             raise LimitReached(f"{pages.most} pages are open already")
         id = request.query_params.get("page", "")[:64]
-        return Streaming(pages.stream(self._site.picture, id), media_type="text/event-stream")
+        return Streaming(pages.stream(self._picture, id), media_type="text/event-stream")
+
+    def _picture(self) -> Record | None:
+        return self._site.picture() if self._site.is_known else None
 
 
 class _Guarded:

@@ -43,6 +43,7 @@ class WebSite:
         closers: Called, one after the other, before the server ends.
         past: The changes that have led here.
         when_begun: Called once the first look has found something.
+        is_known: The feed has looked once, whether or not it has found something.
     """
 
     def __init__(
@@ -67,7 +68,7 @@ class WebSite:
         self.closers: list[Callable[[], Awaitable[object]]] = [self.jobs.close, self.audit.close]
         self.past = KeptChanges()
         self.when_begun: list[Callable[[], object]] = []
-        self._is_begun = False
+        self.is_known = False
 
     @property
     def records(self) -> SystemRecords:
@@ -93,7 +94,7 @@ class WebSite:
 
     def take(self, update: FeedUpdate) -> Record | None:
         """Take what the feed tells; return what has changed by it, None for nothing."""
-        is_first, self._is_begun = not self._is_begun, True
+        is_first, self.is_known = not self.is_known, True
         change = change_between(self.records, update.records)
         self.update = update
         self.events.extend(update.events)

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from rtkit.errors import NotFound
-from rtkit.web.pages import CHANGE, RATES, Pages, PageStream
+from rtkit.web.pages import CHANGE, NOTICE, RATES, Pages, PageStream
 
 
 def read(event: bytes) -> list[tuple[str, Any]]:
@@ -33,6 +33,28 @@ def test_changes_come_in_order_and_rates_are_the_latest() -> None:
         ]
         await stream.aclose()
         assert not pages.is_full
+
+    asyncio.run(main())
+
+
+def test_a_page_is_shown_nothing_before_the_system_is_known() -> None:
+    async def main() -> None:
+        known: list[dict[str, int]] = []
+        pages = Pages(1)
+        stream = pages.stream(lambda: known[0] if known else None)
+        first = asyncio.ensure_future(anext(stream))
+        await asyncio.sleep(0)
+        pages.send(NOTICE, {"text": "no manager"})
+        assert read(await first) == [("notice", {"text": "no manager"})]
+        second = asyncio.ensure_future(anext(stream))
+        await asyncio.sleep(0)
+        pages.wake()
+        await asyncio.sleep(0)
+        assert not second.done()
+        known.append({"revision": 0})
+        pages.wake()
+        assert read(await second) == [("picture", {"revision": 0})]
+        await stream.aclose()
 
     asyncio.run(main())
 
