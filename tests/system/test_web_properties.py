@@ -260,8 +260,9 @@ def test_a_point_and_a_region_on_the_map_lead_the_robot(home: Site) -> None:
     page.press("Region")
     for number, (x, y) in enumerate(((0.6, 0.4), (0.7, 0.4), (0.7, 0.6)), 1):
         left, top, width, height = page.place("rt-map svg")  # it may have moved meanwhile
-        for kind in ("mousePressed", "mouseReleased"):
-            page.mouse(kind, left + width * x, top + height * y)
+        page.mouse("mousePressed", left + width * x, top + height * y)
+        page.evaluate("document.querySelector('rt-map').paint()")  # as when a robot drives on
+        page.mouse("mouseReleased", left + width * x, top + height * y)
         page.wait_for(f"document.querySelectorAll('rt-map .corner').length === {number}")
     page.press("Done")
     page.wait_for(f"{line}.includes('<region>')")
