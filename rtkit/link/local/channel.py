@@ -28,7 +28,7 @@ import struct
 import time
 from array import array
 from contextlib import suppress
-from functools import partial
+from functools import lru_cache, partial
 from threading import Lock
 from typing import TypeAlias
 
@@ -62,6 +62,7 @@ _IN_TRANSIT = 2
 """How many more values than a reader keeps may be on their way."""
 
 
+@lru_cache(maxsize=16)
 def most_held(size: int) -> int:
     """Return how many values of a size [bytes] a reader keeps in memory of their writer."""
     return max(_LEAST_HELD, min(_MOST_HELD, _MOST_HELD_BYTES // size))
@@ -143,7 +144,6 @@ class Channel:
         self._borrowed: BorrowedUses | None = None
         self._known: dict[int, Slot] = {}
         self._is_passed = False
-        self._most = (0, 0)
         self._is_over = False
         self.bound_s = 0.0
 
@@ -178,10 +178,9 @@ class Channel:
         lent = self._lent
         if lent is None:
             lent = self._begin_lending()
-        most = self._most[1] if size == self._most[0] else self._most_held(size)
         with self._lock:
             ended = lent.ended()
-            if len(lent.uses) >= most + _IN_TRANSIT:
+            if len(lent.uses) >= most_held(size) + _IN_TRANSIT:
                 self._pool.release(ended)
                 raise Full(is_memory=True)
             slot = self._pool.fill(value, size, ended)
@@ -209,10 +208,6 @@ class Channel:
                 raise
             self._lent = lent
             return lent
-
-    def _most_held(self, size: int) -> int:
-        self._most = size, most_held(size)
-        return self._most[1]
 
     def _collect(self, lent: LentSlots) -> None:
         """Take back memory whose uses have ended."""
@@ -359,8 +354,7 @@ class Channel:
             is_new = 0 < use <= MOST and use not in self._in_use
             if size <= MOST_INLINE or self._borrowed is None or not is_new:
                 raise ValueError("no value in shared memory")
-            most = self._most[1] if size == self._most[0] else self._most_held(size)
-            is_kept = len(self._in_use) < most
+            is_kept = len(self._in_use) < most_held(size)
             end = partial(self._end_use, self._borrowed, use)
             view, self._in_use[use] = self._seen.view(slot, size, end)
             return VALUE, number, view if is_kept else bytes(view)
